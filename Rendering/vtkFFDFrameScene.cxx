@@ -75,7 +75,8 @@ vtkFFDFrameScene::vtkFFDFrameScene(vtkFFDInverseRayVolumeMapper* mapper,
   scene.Ranges = &cache.GetRanges();
   scene.Peaks = cache.GetPeaks();
   scene.Map = &map.Map;
-  scene.Limits = map.Bounds.GetLimits();
+  scene.Limits = map.Limits;
+  scene.KeptOfField = map.KeptOfField.get();
   scene.DeformedBounds = FindVisibleBounds(mapper, cache);
   if (mapper->HasClipBox)
   {

@@ -237,6 +237,7 @@ Made MakeBoundedPullBack(SharedPullBack& result, StageTools& tools,
     made->Bounds = result.Last->Bounds;
   }
   made->Bounds.Update(made->Map, tools.Parallel);
+  made->Limits = made->Bounds.GetLimits();
   Box& deformed = made->DeformedBounds;
   deformed = made->Bounds.DeformedBounds(rest, tools.Parallel);
   const double growth = glm::length(deformed.Max - deformed.Min) / diagonal;
@@ -264,7 +265,8 @@ Made MakeBoundedPullBack(SharedPullBack& result, StageTools& tools,
 //------------------------------------------------------------------------------
 std::size_t SharedPullBack::GetMemorySize() const
 {
-  return this->Last ? this->Last->Bounds.GetMemorySize() : 0;
+  return this->Last ? this->Last->Bounds.GetMemorySize() + this->Last->KeptOfField->GetMemorySize()
+                    : 0;
 }
 
 //------------------------------------------------------------------------------

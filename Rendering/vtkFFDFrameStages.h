@@ -16,6 +16,7 @@
 #include "Bounds/FFDPullBackBounds.h"
 #include "FFDBSplineField.h"
 #include "FFDDistanceMap.h"
+#include "FFDFieldCache.h"
 #include "FFDMinMaxBlocks.h"
 #include "FFDPullBack.h"
 #include "FFDStage.h"
@@ -43,7 +44,10 @@ struct BoundedPullBack
   PullBack Map;
   Box RestBounds;
   PullBackBounds Bounds;
-  Box DeformedBounds; ///< of RestBounds
+  PullBackLimits Limits; ///< of Bounds
+  Box DeformedBounds;    ///< of RestBounds
+  /// Of Field; frames add what they need.
+  std::unique_ptr<FieldCache> KeptOfField = std::make_unique<FieldCache>();
 };
 
 /// A pull-back that the mappers of the same deformation and volume share, as those of several views

@@ -4,6 +4,7 @@
 
 #include "Bounds/FFDMatrixBounds.h"
 #include "FFDBSplineBasis.h"
+#include "FFDFieldCache.h"
 
 #include <glm/common.hpp>
 
@@ -66,6 +67,7 @@ Grid<glm::dvec3> CopyCoefficients(
 //------------------------------------------------------------------------------
 BoxImages::BoxImages(const BoxGrid& boxes, const BSplineField* field, double sign)
   : Boxes(boxes)
+  , Sign(sign)
   , Corners(boxes.Count + 1)
 {
   for (int a = 0; a < 3; ++a)
@@ -74,7 +76,7 @@ BoxImages::BoxImages(const BoxGrid& boxes, const BSplineField* field, double sig
   }
   if (field)
   {
-    this->FindDisplacements(*field, sign);
+    this->FindDisplacements(*field);
   }
 }
 
@@ -126,7 +128,7 @@ glm::dmat3 BoxImages::FindMeanJacobian(const glm::ivec3& first, const glm::ivec3
 }
 
 //------------------------------------------------------------------------------
-void BoxImages::FindDisplacements(const BSplineField& field, double sign)
+void BoxImages::FindDisplacements(const BSplineField& field)
 {
   std::vector<std::array<double, 4>> weights[3];
   std::vector<int> cells[3];
@@ -164,7 +166,7 @@ void BoxImages::FindDisplacements(const BSplineField& field, double sign)
   Grid<glm::dvec3> nodes = CopyCoefficients(field, first, end);
   for (glm::dvec3& node : nodes.Values)
   {
-    node *= sign;
+    node *= this->Sign;
   }
   this->Bulge = FindBulge(nodes, this->Boxes.Edge / glm::abs(field.GetSpacing()));
   this->Corners = std::move(nodes);
@@ -172,6 +174,15 @@ void BoxImages::FindDisplacements(const BSplineField& field, double sign)
   {
     this->Corners = SumAlong(this->Corners, a, weights[a], cells[a]);
   }
+}
+
+//------------------------------------------------------------------------------
+std::shared_ptr<const BoxImages> FindBoxImages(
+  const CastScene& scene, const BoxGrid& boxes, double sign)
+{
+  const BSplineField* const field = scene.Map->IsIdentity() ? nullptr : scene.Map->GetField();
+  return scene.KeptOfField && field ? scene.KeptOfField->FindBoxImages(boxes, *field, sign)
+                                    : std::make_shared<const BoxImages>(boxes, field, sign);
 }
 
 //------------------------------------------------------------------------------

@@ -12,6 +12,8 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
+#include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace ffd
@@ -29,6 +31,10 @@ struct FFD_RENDERING_EXPORT BoxGrid
 
   double At(int a, int i) const { return this->First[a] + i * this->Edge[a]; }
   Box Get(const glm::ivec3& index) const;
+  bool operator==(const BoxGrid& other) const
+  {
+    return this->First == other.First && this->Edge == other.Edge && this->Count == other.Count;
+  }
 };
 
 /// The coefficients that D follows from in the cells from `first` on, before `end`: from those of
@@ -40,8 +46,11 @@ Grid<glm::dvec3> CopyCoefficients(
 class FFD_RENDERING_EXPORT BoxImages
 {
 public:
-  /// Keeps a reference to `boxes`. `field`: D, null for zero.
+  /// `field`: D, null for zero.
   BoxImages(const BoxGrid& boxes, const BSplineField* field, double sign);
+
+  const BoxGrid& GetBoxes() const { return this->Boxes; }
+  double GetSign() const { return this->Sign; }
 
   /// The hull of the images of the corners, and of what D is in between.
   Box Find(const glm::ivec3& index) const;
@@ -50,14 +59,21 @@ public:
   /// a column for each axis, which is about the Jacobian in their middle.
   glm::dmat3 FindMeanJacobian(const glm::ivec3& first, const glm::ivec3& end) const;
 
-private:
-  void FindDisplacements(const BSplineField& field, double sign);
+  std::size_t GetMemorySize() const { return this->Corners.Values.capacity() * sizeof(glm::dvec3); }
 
-  const BoxGrid& Boxes;
+private:
+  void FindDisplacements(const BSplineField& field);
+
+  BoxGrid Boxes;
+  double Sign;
   Grid<glm::dvec3> Corners;       ///< displacements of the corners of boxes
   glm::dvec3 Bulge{ 0.0 };        ///< largest distance of D from what it is at corners interpolated
   std::vector<bool> IsInCells[3]; ///< by the box along each axis
 };
+
+/// The images of boxes by the map of a scene, x + sign * D(x); what is kept of its field is used.
+std::shared_ptr<const BoxImages> FindBoxImages(
+  const CastScene& scene, const BoxGrid& boxes, double sign);
 
 /// Kept around boxes and their images for what is rounded, voxels.
 constexpr double BoxGuard = 0.5;

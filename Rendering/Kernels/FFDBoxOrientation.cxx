@@ -58,21 +58,10 @@ double FindPermanent(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3&
 
 } // namespace
 
-/// Derivatives of T at a point, a column for each axis, and the derivatives of these by each axis.
-struct BoxOrientation::Expansion
-{
-  glm::dmat3 Jacobian{ 1.0 };
-  glm::dmat3 Change[3]{ glm::dmat3(0.0), glm::dmat3(0.0), glm::dmat3(0.0) };
-};
-
 //------------------------------------------------------------------------------
-BoxOrientation::BoxOrientation(
-  const BoxGrid& boxes, const BoxImages& images, const BSplineField& field, double orientation)
-  : Boxes(boxes)
-  , Images(images)
-  , Field(field)
-  , Orientation(orientation)
+ThirdDerivatives BoundThirdDerivatives(const BSplineField& field)
 {
+  ThirdDerivatives third;
   const Grid<glm::dvec3> nodes = CopyCoefficients(field, field.GetFirstCell(), field.GetEndCell());
   const glm::dvec3 perCell = 1.0 / glm::abs(field.GetSpacing());
   for (int a = 0; a < 3; ++a)
@@ -88,11 +77,29 @@ BoxOrientation::BoxOrientation(
         int axes[3] = { a, b, c };
         do
         {
-          this->LargestThird[axes[0]][axes[1]][axes[2]] = largest;
+          third.Largest[axes[0]][axes[1]][axes[2]] = largest;
         } while (std::next_permutation(axes, axes + 3));
       }
     }
   }
+  return third;
+}
+
+/// Derivatives of T at a point, a column for each axis, and the derivatives of these by each axis.
+struct BoxOrientation::Expansion
+{
+  glm::dmat3 Jacobian{ 1.0 };
+  glm::dmat3 Change[3]{ glm::dmat3(0.0), glm::dmat3(0.0), glm::dmat3(0.0) };
+};
+
+//------------------------------------------------------------------------------
+BoxOrientation::BoxOrientation(const BoxImages& images, const BSplineField& field,
+  const ThirdDerivatives& third, double orientation)
+  : Images(images)
+  , Field(field)
+  , Third(third)
+  , Orientation(orientation)
+{
 }
 
 //------------------------------------------------------------------------------
@@ -173,7 +180,7 @@ bool BoxOrientation::AreTurnedOver(const glm::ivec3& first, const glm::ivec3& en
   {
     return false;
   }
-  const Box box{ this->Boxes.Get(first).Min, this->Boxes.Get(end - 1).Max };
+  const Box box{ this->Images.GetBoxes().Get(first).Min, this->Images.GetBoxes().Get(end - 1).Max };
   if (!this->HasDerivatives(box))
   {
     return false;
@@ -191,7 +198,7 @@ bool BoxOrientation::AreTurnedOver(const glm::ivec3& first, const glm::ivec3& en
     {
       for (int c = 0; c < 3; ++c)
       {
-        rest[a] += this->LargestThird[a][b][c] * (0.5 * half[b] * half[c]);
+        rest[a] += this->Third.Largest[a][b][c] * (0.5 * half[b] * half[c]);
       }
       spread[a] += glm::abs(at.Change[b][a]) * half[b];
     }

@@ -56,6 +56,7 @@ enum class Classification
   Intervals ///< the intervals between them, as IntervalTable
 };
 
+class FieldCache;
 class SampleClassifier;
 
 /// Parameters of ERROR_BOUND.
@@ -118,8 +119,9 @@ struct CastScene
   /// Of the channels of Maximum and Minimum, or null.
   const std::vector<ValuePeaks>* Peaks = nullptr;
   const PullBack* Map = nullptr;
-  PullBackLimits Limits; ///< of Map
-  Box DeformedBounds;    ///< data coordinates; rays are cut to them
+  PullBackLimits Limits;             ///< of Map
+  FieldCache* KeptOfField = nullptr; ///< of the field of Map, kept from frame to frame; or null
+  Box DeformedBounds;                ///< data coordinates; rays are cut to them
   /// Bounds of the whole volume, at rest and deformed, if Volume and DeformedBounds are parts of
   /// one; null otherwise. They make rounding and iterations the same in all parts.
   const Box* WholeAtRest = nullptr;

@@ -82,8 +82,8 @@ TileBounds::TileBounds(const CastScene& scene, double tolerance, double reach,
   const bool isForward = map.IsIdentity() || map.GetKind() == PullBackKind::Exact;
   const BoxGrid boxes(isForward ? FindBoundsAtRest(volume) : scene.DeformedBounds, NumberOfBoxes,
     SmallestEdge * scene.VoxelSize);
-  const BoxImages images(boxes, map.IsIdentity() ? nullptr : map.GetField(),
-    map.GetKind() == PullBackKind::FirstOrder ? -1.0 : 1.0);
+  const auto images =
+    FindBoxImages(scene, boxes, map.GetKind() == PullBackKind::FirstOrder ? -1.0 : 1.0);
   const CameraView::PixelRows rows = scene.Camera.GetPixelRows();
   const double around = reach + BoxGuard * scene.VoxelSize;
   const glm::dvec2 lastTile(tiles - 1);
@@ -92,12 +92,12 @@ TileBounds::TileBounds(const CastScene& scene, double tolerance, double reach,
     for (int i = 0; i < boxes.Count.x; ++i)
     {
       const Box box = boxes.Get({ i, j, k });
-      const Box rest = isForward ? box : images.Find({ i, j, k });
+      const Box rest = isForward ? box : images->Find({ i, j, k });
       if (ShowsNothing(scene, rest, tolerance + BoxGuard))
       {
         continue;
       }
-      Box deformed = isForward ? images.Find({ i, j, k }) : box;
+      Box deformed = isForward ? images->Find({ i, j, k }) : box;
       deformed.Min -= around;
       deformed.Max += around;
       const PixelRange pixels = FindPixels(rows, deformed);

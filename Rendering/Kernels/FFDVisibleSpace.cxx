@@ -4,6 +4,7 @@
 
 #include "FFDBoxImages.h"
 #include "FFDBoxOrientation.h"
+#include "FFDFieldCache.h"
 #include "FFDPullBack.h"
 
 #include <glm/common.hpp>
@@ -64,13 +65,17 @@ std::vector<SpaceCells::LocalBox> FindVisibleImages(const CastScene& scene, doub
 {
   const BoxGrid boxes(
     FindBoundsAtRest(scene.Volume), NumberOfVisibleBoxes, SmallestEdge * scene.VoxelSize);
-  const BoxImages images(boxes, scene.Map->GetField(), 1.0);
+  const auto images = FindBoxImages(scene, boxes, 1.0);
   const auto isEmpty = [&](
                          const Box& box) { return ShowsNothing(scene, box, tolerance + BoxGuard); };
   std::optional<BoxOrientation> orientations;
   if (orientation != 0.0 && scene.Map->GetField())
   {
-    orientations.emplace(boxes, images, *scene.Map->GetField(), orientation);
+    const BSplineField& field = *scene.Map->GetField();
+    const ThirdDerivatives third = scene.KeptOfField
+      ? scene.KeptOfField->FindThirdDerivatives(field)
+      : BoundThirdDerivatives(field);
+    orientations.emplace(*images, field, third, orientation);
   }
   const auto areHidden = [&](const glm::ivec3& first, const glm::ivec3& end) {
     return isEmpty({ boxes.Get(first).Min, boxes.Get(end - 1).Max }) ||
@@ -88,7 +93,7 @@ std::vector<SpaceCells::LocalBox> FindVisibleImages(const CastScene& scene, doub
     ForIndices(first, end, 1, [&](const glm::ivec3& index) {
       if (!areHidden(index, index + 1))
       {
-        found.push_back(ToLocal(images.Find(index), around, origin));
+        found.push_back(ToLocal(images->Find(index), around, origin));
       }
     });
   });
@@ -100,11 +105,12 @@ std::vector<SpaceCells::LocalBox> FindVolumeImages(
   const CastScene& scene, const Box& restBounds, double reach, const glm::dvec3& origin)
 {
   const BoxGrid boxes(restBounds, NumberOfVolumeBoxes, SmallestEdge * scene.VoxelSize);
-  const BoxImages images(boxes, scene.Map->GetField(), 1.0);
+  const auto images = FindBoxImages(scene, boxes, 1.0);
   const double around = FindMargin(scene, reach);
   std::vector<SpaceCells::LocalBox> found;
-  ForIndices(glm::ivec3(0), boxes.Count, 1,
-    [&](const glm::ivec3& index) { found.push_back(ToLocal(images.Find(index), around, origin)); });
+  ForIndices(glm::ivec3(0), boxes.Count, 1, [&](const glm::ivec3& index) {
+    found.push_back(ToLocal(images->Find(index), around, origin));
+  });
   return found;
 }
 

@@ -3,6 +3,7 @@
 // The bounds are proofs: nothing that is sampled may ever leave them.
 #include "Bounds/FFDPullBackBounds.h"
 #include "EveryTarget.h"
+#include "FFDGridIndex.h"
 #include "RandomLattice.h"
 
 #include <glm/geometric.hpp>
@@ -459,6 +460,60 @@ TEST(PullBackBounds, TranslationMovesTheBoxExactly)
       EXPECT_NEAR(box.Min[a], rest.Min[a] + move, 1e-3);
       EXPECT_NEAR(box.Max[a], rest.Max[a] + move, 1e-3);
     }
+  }
+}
+
+/// Lattices of many control points are bounded in slabs: as a whole they are as their parts.
+TEST(PullBackBounds, ManyControlPoints)
+{
+  RandomLattice random(37);
+  const glm::ivec3 nodes(40, 44, 160);
+  std::vector<glm::dvec3> displacements(GridSize(nodes));
+  for (glm::dvec3& d : displacements)
+  {
+    d = random.Vector(-0.02, 0.02);
+  }
+  const auto makeField = [&] {
+    return BSplineField(nodes, glm::dvec3(0.0), glm::dvec3(1.0), displacements.data());
+  };
+  const BSplineField field = makeField();
+  const PullBackBounds bounds(PullBack(&field, PullBackKind::Exact, 1e-3));
+  const Box whole{ glm::dvec3(-3.0), glm::dvec3(nodes) + 2.0 };
+  const glm::dvec3 middle(21.3, 33.4, 79.5);
+  Box sum = Box::Empty();
+  double turn = 0.0;
+  for (int octant = 0; octant < 8; ++octant)
+  {
+    Box part = whole;
+    for (int a = 0; a < 3; ++a)
+    {
+      ((octant >> a & 1) != 0 ? part.Min : part.Max)[a] = middle[a];
+    }
+    sum.Include(bounds.DisplacementOver(part));
+    turn = std::max(turn, bounds.FindLargestTurnRate(part));
+  }
+  EXPECT_EQ(bounds.DisplacementOver(whole), sum);
+  EXPECT_EQ(bounds.FindLargestTurnRate(whole), turn);
+  // The largest stretch is where one control point moves farther, in any slab.
+  for (const int k : { 1, 66, 158 })
+  {
+    glm::dvec3& moved = displacements[GridIndex(25, 30, k, nodes)];
+    moved.z += 0.5;
+    std::vector<glm::dvec3> near;
+    for (int n = 0; n < 9 * 9 * 9; ++n)
+    {
+      const glm::ivec3 i = glm::clamp(
+        glm::ivec3(21, 26, k - 4) + glm::ivec3(n % 9, n / 9 % 9, n / 81), glm::ivec3(0), nodes - 1);
+      near.push_back(displacements[GridIndex(i.x, i.y, i.z, nodes)]);
+    }
+    const BSplineField part(glm::ivec3(9), glm::dvec3(0.0), glm::dvec3(1.0), near.data());
+    const double stretch =
+      PullBackBounds(PullBack(&part, PullBackKind::Exact, 1e-3)).GetLimits().LargestStretch;
+    EXPECT_GT(stretch, 1.3);
+    const BSplineField all = makeField();
+    const PullBackBounds anew(PullBack(&all, PullBackKind::Exact, 1e-3));
+    EXPECT_NEAR(anew.GetLimits().LargestStretch, stretch, 1e-4 * stretch) << "slice " << k;
+    moved.z -= 0.5;
   }
 }
 

@@ -470,7 +470,7 @@ TEST(BoxOrientation, ProvesWhatIsTurnedOver)
     const glm::dvec3 extent = field.GetSpacing() * random.Vector(0.5, 5.0);
     const BoxGrid boxes({ lower, lower + extent }, random.Integer(100, 250000), 1e-3);
     const BoxImages images(boxes, &field, 1.0);
-    const BoxOrientation orientations(boxes, images, field, orientation);
+    const BoxOrientation orientations(images, field, BoundThirdDerivatives(field), orientation);
     for (int n = 0; n < 5000; ++n)
     {
       const glm::ivec3 first(random.Vector(0.0, 1.0) * glm::dvec3(boxes.Count));

@@ -41,6 +41,25 @@ MatrixRange GetJacobian(const SubCellBounds& bounds, double sign)
   return range;
 }
 
+/// An upper bound of the norm of the inverse of J_T over a cell of a grid, from its sub-cells; NaN
+/// where J_T may be singular.
+float BoundInverseNorm(
+  const SubCellGrid& grid, const SubCellBoundsVector& subCells, const glm::ivec3& cell)
+{
+  double largest = 0.0;
+  for (int i = 0; i < 8; ++i)
+  {
+    const glm::ivec3 s = 2 * cell + 1 + glm::ivec3(i & 1, i >> 1 & 1, i >> 2);
+    MatrixRange inverse;
+    if (!FindInverse(GetJacobian(subCells[grid.Index(s.x, s.y, s.z)], 1.0), inverse))
+    {
+      return std::numeric_limits<float>::quiet_NaN();
+    }
+    largest = std::max(largest, BoundNorm(inverse));
+  }
+  return largest < Infinity ? RoundUp(largest) : std::numeric_limits<float>::quiet_NaN();
+}
+
 /// An upper bound of |d^2 D(o + t d) / dt^2| / |d|^2 over a cell: second derivatives are convex
 /// combinations of second differences of the control points that count there.
 double BoundSecondDerivative(const BSplineField& field, const glm::ivec3& cell)
@@ -70,6 +89,32 @@ double BoundSecondDerivative(const BSplineField& field, const glm::ivec3& cell)
     }
   }
   return std::sqrt(sum);
+}
+
+/// A bound of how fast a deformed ray turns where dT/dp, or for FirstOrder dPhi/dp, and the second
+/// derivative of D are bounded, see PullBackBounds::FindLargestTurnRate().
+double BoundTurnRate(PullBackKind kind, const MatrixRange& jacobian, double second)
+{
+  MatrixRange inverse;
+  if (!FindInverse(jacobian, inverse))
+  {
+    return Infinity;
+  }
+  const double norm = BoundNorm(inverse);
+  const double rate = norm * second;
+  if (kind == PullBackKind::Exact)
+  {
+    // From T(Q(t)) = P + t d: J_T Q'' = -T''[Q', Q'].
+    return rate * norm;
+  }
+  if (kind == PullBackKind::FirstOrderOfInverse)
+  {
+    MatrixRange slowest;
+    return FindInverse({ glm::dmat3(2.0) - inverse.Center, inverse.Spread }, slowest)
+      ? rate * norm * norm * BoundNorm(slowest)
+      : Infinity;
+  }
+  return rate;
 }
 
 /// Range of the control points, and so of D; all there is when one is not a number.
@@ -180,34 +225,20 @@ CellRange PullBackBounds::FindChangedCells() const
 void PullBackBounds::BoundInverse(
   const CellRange& cells, const ParallelFor& parallelFor, std::vector<float>& norms) const
 {
-  const SubCellGrid grid(cells);
-  SubCellBoundsVector subCells;
-  ComputeSubCellBounds(*this->Field, grid, subCells, parallelFor);
-  const glm::ivec3 size = cells.End - cells.First;
-  parallelFor(static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z),
-    [&](std::size_t firstRow, std::size_t endRow) {
-      for (std::size_t row = firstRow; row < endRow; ++row)
-      {
-        glm::ivec3 at(0, static_cast<int>(row) % size.y, static_cast<int>(row) / size.y);
-        for (; at.x < size.x; ++at.x)
-        {
-          double largest = 0.0;
-          for (int i = 0; i < 8; ++i)
+  ForSlabsOfSubCells(*this->Field, cells, parallelFor,
+    [&](const SubCellGrid& grid, const SubCellBoundsVector& subCells) {
+      const glm::ivec3 size = (grid.Size - 2) / 2;
+      parallelFor(static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z),
+        [&](std::size_t firstRow, std::size_t endRow) {
+          for (std::size_t row = firstRow; row < endRow; ++row)
           {
-            const glm::ivec3 s = 2 * at + 1 + glm::ivec3(i & 1, i >> 1 & 1, i >> 2);
-            MatrixRange inverse;
-            const bool regular =
-              FindInverse(GetJacobian(subCells[grid.Index(s.x, s.y, s.z)], 1.0), inverse);
-            largest = regular ? std::max(largest, BoundNorm(inverse)) : Infinity;
-            if (!regular)
+            glm::ivec3 at(0, static_cast<int>(row) % size.y, static_cast<int>(row) / size.y);
+            for (; at.x < size.x; ++at.x)
             {
-              break;
+              norms[this->CellIndex(grid.FirstCell + at)] = BoundInverseNorm(grid, subCells, at);
             }
           }
-          norms[this->CellIndex(cells.First + at)] =
-            largest < Infinity ? RoundUp(largest) : std::numeric_limits<float>::quiet_NaN();
-        }
-      }
+        });
     });
 }
 
@@ -276,17 +307,33 @@ bool PullBackBounds::TouchesKink(const Box& region) const
 }
 
 //------------------------------------------------------------------------------
-/// Bounds over the sub-cells first ... last of the field.
+/// Bounds over some sub-cells of the field, by their numbers in the whole of it.
 class PullBackBounds::SubCells
 {
 public:
-  SubCells(const BSplineField& field, const glm::ivec3& first, const glm::ivec3& last,
-    const ParallelFor& parallelFor)
-    : Range(FindCells(field, first, last))
-    , Grid(this->Range)
-    , Shift(2 * (this->Range.First - field.GetFirstCell()))
+  /// Calls work(subCells, first, last) for slabs of the sub-cells first ... last, with those of
+  /// each slab.
+  template <class Work>
+  static void ForSlabs(const BSplineField& field, const glm::ivec3& first, const glm::ivec3& last,
+    const ParallelFor& parallelFor, const Work& work)
   {
-    ComputeSubCellBounds(field, this->Grid, this->Bounds, parallelFor);
+    const CellRange cells = FindCells(field, first, last);
+    ForSlabsOfSubCells(
+      field, cells, parallelFor, [&](const SubCellGrid& grid, const SubCellBoundsVector& bounds) {
+        const glm::ivec3 shift = 2 * (grid.FirstCell - field.GetFirstCell());
+        glm::ivec3 from = first;
+        glm::ivec3 to = last;
+        // What lies on either side of a slab means nothing, unless that is the end of the part.
+        if (grid.FirstCell.z > cells.First.z)
+        {
+          from.z = shift.z + 1;
+        }
+        if (grid.FirstCell.z + (grid.Size.z - 2) / 2 < cells.End.z)
+        {
+          to.z = shift.z + grid.Size.z - 2;
+        }
+        work(SubCells(grid, shift, bounds), from, to);
+      });
   }
 
   const SubCellBounds& At(const glm::ivec3& s) const
@@ -308,6 +355,14 @@ public:
   }
 
 private:
+  /// Keeps references.
+  SubCells(const SubCellGrid& grid, const glm::ivec3& shift, const SubCellBoundsVector& bounds)
+    : Grid(grid)
+    , Shift(shift)
+    , Bounds(bounds)
+  {
+  }
+
   /// Cells on either side of a part of the field are bounded with its outermost cells alone.
   static CellRange FindCells(
     const BSplineField& field, const glm::ivec3& first, const glm::ivec3& last)
@@ -322,10 +377,9 @@ private:
     return cells;
   }
 
-  CellRange Range;
-  SubCellGrid Grid;
+  const SubCellGrid& Grid;
   glm::ivec3 Shift;
-  SubCellBoundsVector Bounds;
+  const SubCellBoundsVector& Bounds;
 };
 
 //------------------------------------------------------------------------------
@@ -348,30 +402,32 @@ template <class Reach>
 Box PullBackBounds::UnionOfSubCells(const glm::ivec3& first, const glm::ivec3& last,
   const Reach& reach, const ParallelFor& parallelFor) const
 {
-  const SubCells subCells(*this->Field, first, last, parallelFor);
   Box sum = Box::Empty();
-  glm::ivec3 s;
-  for (s.z = first.z; s.z <= last.z; ++s.z)
-  {
-    for (s.y = first.y; s.y <= last.y; ++s.y)
-    {
-      for (s.x = first.x; s.x <= last.x; ++s.x)
+  SubCells::ForSlabs(*this->Field, first, last, parallelFor,
+    [&](const SubCells& subCells, const glm::ivec3& from, const glm::ivec3& to) {
+      glm::ivec3 s;
+      for (s.z = from.z; s.z <= to.z; ++s.z)
       {
-        Box box;
-        for (int a = 0; a < 3; ++a)
+        for (s.y = from.y; s.y <= to.y; ++s.y)
         {
-          const SubCellEnds along = FindSubCellEnds(*this->Field, a, s[a]);
-          box.Min[a] = along.Min;
-          box.Max[a] = along.Max;
-        }
-        const Box part = reach(box, subCells.GetDisplacement(s));
-        if (!part.IsEmpty())
-        {
-          sum.Include(part);
+          for (s.x = from.x; s.x <= to.x; ++s.x)
+          {
+            Box box;
+            for (int a = 0; a < 3; ++a)
+            {
+              const SubCellEnds along = FindSubCellEnds(*this->Field, a, s[a]);
+              box.Min[a] = along.Min;
+              box.Max[a] = along.Max;
+            }
+            const Box part = reach(box, subCells.GetDisplacement(s));
+            if (!part.IsEmpty())
+            {
+              sum.Include(part);
+            }
+          }
         }
       }
-    }
-  }
+    });
   return sum;
 }
 
@@ -476,42 +532,24 @@ double PullBackBounds::FindLargestTurnRate(const Box& region) const
   const glm::ivec3 size = 2 * (field.GetEndCell() - field.GetFirstCell());
   first = glm::clamp(first, glm::ivec3(1), size);
   last = glm::clamp(last, glm::ivec3(1), size);
-  const SubCells subCells(field, first, last, ParallelFor());
-  const glm::ivec3 cells = (last - 1) / 2 - (first - 1) / 2 + 1;
   const double sign = this->Kind == PullBackKind::FirstOrder ? -1.0 : 1.0;
   double largest = 0.0;
-  for (int n = 0; n < cells.x * cells.y * cells.z; ++n)
-  {
-    const glm::ivec3 cell =
-      (first - 1) / 2 + glm::ivec3(n % cells.x, n / cells.x % cells.y, n / (cells.x * cells.y));
-    const double second = BoundSecondDerivative(field, field.GetFirstCell() + cell);
-    for (int i = 0; i < 8 && second > 0.0; ++i)
-    {
-      const glm::ivec3 s = 2 * cell + 1 + glm::ivec3(i & 1, i >> 1 & 1, i >> 2);
-      MatrixRange inverse;
-      if (!FindInverse(GetJacobian(subCells.At(s), sign), inverse))
+  SubCells::ForSlabs(field, first, last, ParallelFor(),
+    [&](const SubCells& subCells, const glm::ivec3& from, const glm::ivec3& to) {
+      const glm::ivec3 cells = (to - 1) / 2 - (from - 1) / 2 + 1;
+      for (int n = 0; n < cells.x * cells.y * cells.z && largest < Infinity; ++n)
       {
-        return Infinity;
-      }
-      const double norm = BoundNorm(inverse);
-      double rate = norm * second;
-      if (this->Kind == PullBackKind::Exact)
-      {
-        // From T(Q(t)) = P + t d: J_T Q'' = -T''[Q', Q'].
-        rate *= norm;
-      }
-      else if (this->Kind == PullBackKind::FirstOrderOfInverse)
-      {
-        MatrixRange slowest;
-        if (!FindInverse({ glm::dmat3(2.0) - inverse.Center, inverse.Spread }, slowest))
+        const glm::ivec3 cell =
+          (from - 1) / 2 + glm::ivec3(n % cells.x, n / cells.x % cells.y, n / (cells.x * cells.y));
+        const double second = BoundSecondDerivative(field, field.GetFirstCell() + cell);
+        for (int i = 0; i < 8 && second > 0.0; ++i)
         {
-          return Infinity;
+          const glm::ivec3 s = 2 * cell + 1 + glm::ivec3(i & 1, i >> 1 & 1, i >> 2);
+          const MatrixRange jacobian = GetJacobian(subCells.At(s), sign);
+          largest = std::max(largest, BoundTurnRate(this->Kind, jacobian, second));
         }
-        rate *= norm * norm * BoundNorm(slowest);
       }
-      largest = std::max(largest, rate);
-    }
-  }
+    });
   return largest;
 }
 

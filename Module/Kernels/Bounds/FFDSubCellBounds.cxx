@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #ifndef FFDSubCellBounds_cxx
 #define FFDSubCellBounds_cxx
@@ -557,6 +558,133 @@ std::vector<AxisPiece> MakePieces(const SubCellGrid& grid, int axis)
   return pieces;
 }
 
+/// Bounds the sub-cells of any slabs of a part of a field.
+class SlabBounder
+{
+public:
+  /// `cells`: the part. Keeps a reference.
+  SlabBounder(const BSplineField& field, const CellRange& cells)
+    : Field(field)
+  {
+    // A translation has no derivatives: taken out, it costs the rest no digits of single precision.
+    // Only where the field continues it outside; the weights of a point sum to one.
+    glm::dvec3 shift(0.0);
+    glm::dvec3 least = field.GetCoefficients().front();
+    glm::dvec3 most = least;
+    bool finite = true;
+    bool zero = true;
+    for (const glm::dvec3& c : field.GetCoefficients())
+    {
+      least = glm::min(least, c);
+      most = glm::max(most, c);
+      finite = finite && std::isfinite(c.x + c.y + c.z);
+      zero = zero && c == glm::dvec3(0.0);
+    }
+    if (finite && field.GetBorder() == BorderMode::Edge)
+    {
+      shift = glm::dvec3(glm::vec3(0.5 * least + 0.5 * most));
+    }
+    const glm::dvec3 extent = glm::max(glm::abs(least - shift), glm::abs(most - shift));
+    const double largest = std::max({ extent.x, extent.y, extent.z });
+    const glm::dvec3 inverse = glm::abs(1.0 / field.GetSpacing());
+    const double steepest = std::max({ 1.0, inverse.x, inverse.y, inverse.z });
+    // Far below the range of single precision, which a derivative must not leave.
+    constexpr double limit = 1e30;
+    const glm::dvec3 offset = glm::abs(shift);
+    if (zero || !finite || !(largest * steepest < limit) ||
+      !(std::max({ offset.x, offset.y, offset.z }) < limit))
+    {
+      this->SameBound = zero ? 0.0f : std::numeric_limits<float>::infinity();
+      return;
+    }
+    const SubCellGrid grid(cells);
+    BoundsInput& in = this->Input;
+    in.Padded = field.GetPaddedNodes();
+    in.Lanes = grid.Size.x / 2 + 1;
+    // Room for the last block of lanes and the three further control points of its last cell.
+    constexpr int blockLanes = HWY_NAMESPACE::BlockLanes;
+    in.RowLength = ((in.Lanes + blockLanes - 1) / blockLanes + 1) * blockLanes;
+    // Not smaller than what keeps the scaled bounds normal numbers.
+    in.CoefficientScale = std::nextafter(
+      static_cast<float>(std::max(largest, 1e-30)), std::numeric_limits<float>::infinity());
+    in.RangeScale[0] = in.CoefficientScale;
+    in.Mirrored[0] = false;
+    for (int a = 0; a < 3; ++a)
+    {
+      // Three times the difference over half a spacing.
+      const double factor = 6.0 / field.GetSpacing()[a];
+      in.RangeScale[a + 1] = static_cast<float>(std::abs(factor) * in.CoefficientScale);
+      in.Mirrored[a + 1] = factor < 0.0;
+      in.Shift[a] = static_cast<float>(shift[a]);
+    }
+    in.ZeroOutside = field.GetBorder() == BorderMode::ZeroAtBorder && field.GetNodes().x > 1;
+    this->CopyCoefficients(grid.FirstCell.x, shift);
+  }
+
+  /// `grid`: of cells of the part, all of them along x.
+  void Bound(
+    const SubCellGrid& grid, SubCellBoundsVector& bounds, const ParallelFor& parallelFor) const
+  {
+    bounds.resize(grid.Count());
+    if (this->SameBound)
+    {
+      SubCellBounds all;
+      std::fill_n(all.Value, SubCellBounds::Size, *this->SameBound);
+      std::fill(bounds.begin(), bounds.end(), all);
+      return;
+    }
+    BoundsInput in = this->Input;
+    const std::vector<AxisPiece> halfY = MakePieces(grid, 1);
+    const std::vector<AxisPiece> halfZ = MakePieces(grid, 2);
+    in.Coefficients = this->Coefficients.data();
+    in.Half[0] = nullptr;
+    in.Half[1] = &halfY;
+    in.Half[2] = &halfZ;
+    parallelFor(
+      static_cast<std::size_t>(grid.GetCells().z), [&](std::size_t first, std::size_t last) {
+        HWY_DYNAMIC_DISPATCH(BoundSlices)
+        (in, grid, bounds.data(), static_cast<int>(first), static_cast<int>(last));
+      });
+  }
+
+private:
+  void CopyCoefficients(int firstCell, const glm::dvec3& shift)
+  {
+    const BoundsInput& in = this->Input;
+    const std::size_t row = static_cast<std::size_t>(in.RowLength);
+    const std::size_t slice = row * static_cast<std::size_t>(in.Padded.y);
+    const std::size_t volume = slice * static_cast<std::size_t>(in.Padded.z);
+    this->Coefficients.assign(3 * volume, 0.0f);
+    for (int k = 0; k < in.Padded.z; ++k)
+    {
+      for (int j = 0; j < in.Padded.y; ++j)
+      {
+        for (int l = 0; l < in.Lanes + 3; ++l)
+        {
+          // Lane l is cell FirstCell - 1 + l, which begins with the control point before it. The
+          // outside cells continue the outermost coefficient: constant, as the field there.
+          const int i = std::clamp(firstCell - 2 + l, -BSplineField::Padding,
+            this->Field.GetNodes().x - 1 + BSplineField::Padding);
+          const glm::dvec3& c =
+            this->Field.Coefficient(i, j - BSplineField::Padding, k - BSplineField::Padding);
+          for (int a = 0; a < 3; ++a)
+          {
+            this->Coefficients[static_cast<std::size_t>(a) * volume +
+              static_cast<std::size_t>(k) * slice + static_cast<std::size_t>(j) * row +
+              static_cast<std::size_t>(l)] =
+              static_cast<float>((c[a] - shift[a]) / in.CoefficientScale);
+          }
+        }
+      }
+    }
+  }
+
+  const BSplineField& Field;
+  std::optional<float> SameBound; ///< of all sub-cells
+  BoundsInput Input{};
+  std::vector<float> Coefficients;
+};
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -570,101 +698,32 @@ void FindBezierRange(const double net[64], const BezierWeights& x, const BezierW
 void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
   SubCellBoundsVector& bounds, const ParallelFor& parallelFor)
 {
-  bounds.resize(grid.Count());
-  // A translation has no derivatives: taken out, it costs the rest no digits of single precision.
-  // Only where the field continues it outside; the weights of a point sum to one.
-  glm::dvec3 shift(0.0);
-  glm::dvec3 least = field.GetCoefficients().front();
-  glm::dvec3 most = least;
-  bool finite = true;
-  bool zero = true;
-  for (const glm::dvec3& c : field.GetCoefficients())
-  {
-    least = glm::min(least, c);
-    most = glm::max(most, c);
-    finite = finite && std::isfinite(c.x + c.y + c.z);
-    zero = zero && c == glm::dvec3(0.0);
-  }
-  if (finite && field.GetBorder() == BorderMode::Edge)
-  {
-    shift = glm::dvec3(glm::vec3(0.5 * least + 0.5 * most));
-  }
-  const glm::dvec3 extent = glm::max(glm::abs(least - shift), glm::abs(most - shift));
-  const double largest = std::max({ extent.x, extent.y, extent.z });
-  const glm::dvec3 inverse = glm::abs(1.0 / field.GetSpacing());
-  const double steepest = std::max({ 1.0, inverse.x, inverse.y, inverse.z });
-  // Far below the range of single precision, which a derivative must not leave.
-  constexpr double limit = 1e30;
-  const glm::dvec3 offset = glm::abs(shift);
-  BoundsInput in;
-  if (zero || !finite || !(largest * steepest < limit) ||
-    !(std::max({ offset.x, offset.y, offset.z }) < limit))
-  {
-    const float bound = zero ? 0.0f : std::numeric_limits<float>::infinity();
-    SubCellBounds all;
-    std::fill_n(all.Value, SubCellBounds::Size, bound);
-    std::fill(bounds.begin(), bounds.end(), all);
-    return;
-  }
+  const CellRange cells{ grid.FirstCell, grid.FirstCell + (grid.Size - 2) / 2 };
+  SlabBounder(field, cells).Bound(grid, bounds, parallelFor);
+}
 
-  in.Padded = field.GetPaddedNodes();
-  in.Lanes = grid.Size.x / 2 + 1;
-  // Room for the last block of lanes and the three further control points of its last cell.
-  constexpr int blockLanes = HWY_NAMESPACE::BlockLanes;
-  in.RowLength = ((in.Lanes + blockLanes - 1) / blockLanes + 1) * blockLanes;
-  // Not smaller than what keeps the scaled bounds normal numbers.
-  in.CoefficientScale = std::nextafter(
-    static_cast<float>(std::max(largest, 1e-30)), std::numeric_limits<float>::infinity());
-  in.RangeScale[0] = in.CoefficientScale;
-  in.Mirrored[0] = false;
-  for (int a = 0; a < 3; ++a)
+//------------------------------------------------------------------------------
+void ForSlabsOfSubCells(const BSplineField& field, const CellRange& cells,
+  const ParallelFor& parallelFor,
+  const std::function<void(const SubCellGrid&, const SubCellBoundsVector&)>& work)
+{
+  constexpr std::size_t most = std::size_t(1) << 20; // sub-cells of a slab, about 100 MB
+  const glm::ivec3 size = SubCellGrid(cells).Size;
+  const std::size_t slices =
+    most / (static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y));
+  const int thickness =
+    std::max(1, static_cast<int>(std::min<std::size_t>(slices / 2, 1 << 20)) - 1); // cells
+  const SlabBounder bounder(field, cells);
+  SubCellBoundsVector bounds;
+  for (int z = cells.First.z; z < cells.End.z; z += thickness)
   {
-    // Three times the difference over half a spacing.
-    const double factor = 6.0 / field.GetSpacing()[a];
-    in.RangeScale[a + 1] = static_cast<float>(std::abs(factor) * in.CoefficientScale);
-    in.Mirrored[a + 1] = factor < 0.0;
-    in.Shift[a] = static_cast<float>(shift[a]);
+    CellRange slab = cells;
+    slab.First.z = z;
+    slab.End.z = std::min(z + thickness, cells.End.z);
+    const SubCellGrid grid(slab);
+    bounder.Bound(grid, bounds, parallelFor);
+    work(grid, bounds);
   }
-
-  const std::size_t row = static_cast<std::size_t>(in.RowLength);
-  const std::size_t slice = row * static_cast<std::size_t>(in.Padded.y);
-  const std::size_t volume = slice * static_cast<std::size_t>(in.Padded.z);
-  std::vector<float> coefficients(3 * volume, 0.0f);
-  for (int k = 0; k < in.Padded.z; ++k)
-  {
-    for (int j = 0; j < in.Padded.y; ++j)
-    {
-      for (int l = 0; l < in.Lanes + 3; ++l)
-      {
-        // Lane l is cell FirstCell - 1 + l, which begins with the control point before it. The
-        // outside cells continue the outermost coefficient: constant, as the field there.
-        const int i = std::clamp(grid.FirstCell.x - 2 + l, -BSplineField::Padding,
-          field.GetNodes().x - 1 + BSplineField::Padding);
-        const glm::dvec3& c =
-          field.Coefficient(i, j - BSplineField::Padding, k - BSplineField::Padding);
-        for (int a = 0; a < 3; ++a)
-        {
-          coefficients[static_cast<std::size_t>(a) * volume + static_cast<std::size_t>(k) * slice +
-            static_cast<std::size_t>(j) * row + static_cast<std::size_t>(l)] =
-            static_cast<float>((c[a] - shift[a]) / in.CoefficientScale);
-        }
-      }
-    }
-  }
-  in.Coefficients = coefficients.data();
-
-  in.ZeroOutside = field.GetBorder() == BorderMode::ZeroAtBorder && field.GetNodes().x > 1;
-
-  const std::vector<AxisPiece> halfY = MakePieces(grid, 1);
-  const std::vector<AxisPiece> halfZ = MakePieces(grid, 2);
-  in.Half[0] = nullptr;
-  in.Half[1] = &halfY;
-  in.Half[2] = &halfZ;
-  parallelFor(
-    static_cast<std::size_t>(grid.GetCells().z), [&](std::size_t first, std::size_t last) {
-      HWY_DYNAMIC_DISPATCH(BoundSlices)
-      (in, grid, bounds.data(), static_cast<int>(first), static_cast<int>(last));
-    });
 }
 
 } // namespace ffd

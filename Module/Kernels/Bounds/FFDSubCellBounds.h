@@ -8,6 +8,7 @@
 #include "FFDBSplineField.h"
 #include "FFDParallelFor.h"
 
+#include <functional>
 #include <memory>
 #include <new>
 #include <utility>
@@ -60,6 +61,14 @@ using SubCellBoundsVector = std::vector<SubCellBounds, UninitializedAllocator<Su
  */
 void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
   SubCellBoundsVector& bounds, const ParallelFor& parallelFor = ParallelFor());
+
+/**
+ * The same of the sub-cells of `cells` in slabs along z, from the first one on, so that those of a
+ * lattice of many control points need little memory: calls work(grid, bounds) for each slab.
+ */
+void ForSlabsOfSubCells(const BSplineField& field, const CellRange& cells,
+  const ParallelFor& parallelFor,
+  const std::function<void(const SubCellGrid&, const SubCellBoundsVector&)>& work);
 
 /// Weights of one axis: those of four control points for each of four Bezier coefficients, and the
 /// offsets that are added to these.

@@ -15,6 +15,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace ffd
@@ -33,9 +35,10 @@ public:
   float InverseSpacing[3] = {};
   float ClampMin[3] = {};
   float ClampMax[3] = {};
-  int StrideY = 1;                 ///< control points from row to row
-  int StrideZ = 1;                 ///< rows from plane to plane
-  std::vector<float> Coefficients; ///< x, y, z of each control point
+  int StrideY = 1; ///< control points from row to row
+  int StrideZ = 1; ///< rows from plane to plane
+  /// x, y, z of each control point; copies of the field share them.
+  std::shared_ptr<const std::vector<float>> Coefficients;
   /// |D(a + e) - D(a) - D'(a) e| <= SecondDerivative / 2 |e|^2 inside of the lattice.
   float SecondDerivative = 0.0f;
   /// Whether that holds everywhere: there is no kink where the lattice ends.
@@ -47,19 +50,23 @@ public:
   float Rounding = 0.0f;
   float LargestRounding = 0.0f;
 
+  PacketField() = default;
+
   /**
-   * Take a copy. `rest`, if not null: the volume at rest, outside of which nobody needs D as it is.
-   * If the deformation is a lattice alone, D goes on linearly outside of the lattice for some cells
-   * and is constant from there. So T stays smooth, and one to one if the lattice turns the volume
-   * by large angles; it would not with a D that is constant at once.
+   * Takes a copy, relative to the origin of the data. `rest`, if not null: the volume at rest,
+   * outside of which nobody needs D as it is. If the deformation is a lattice alone, D goes on
+   * linearly outside of the lattice for some cells and is constant from there. So T stays smooth,
+   * and one to one if the lattice turns the volume by large angles; it would not with a D that is
+   * constant at once.
    * T^-1 is the same wherever it leads into the volume.
    */
-  void Assign(const BSplineField& field, const glm::dvec3& center, const Box* rest = nullptr)
+  PacketField(const BSplineField& field, const Box* rest)
+    : Smooth(field.GetBorder() != BorderMode::ZeroAtBorder)
+    , Corner(field.GetOrigin())
   {
-    this->Smooth = field.GetBorder() != BorderMode::ZeroAtBorder;
+    this->SetCenter(glm::dvec3(0.0));
     for (int a = 0; a < 3; ++a)
     {
-      this->Origin[a] = static_cast<float>(field.GetOrigin()[a] - center[a]);
       this->InverseSpacing[a] = static_cast<float>(1.0 / field.GetSpacing()[a]);
       this->ClampMin[a] = static_cast<float>(field.GetFirstCell()[a]);
       this->ClampMax[a] = static_cast<float>(field.GetEndCell()[a]);
@@ -80,15 +87,21 @@ public:
     this->LongestStep = static_cast<float>(std::max({ h.x, h.y, h.z }));
   }
 
-  /// The largest of |x|, |y| and |z| of all control points.
-  float FindLargestCoefficient() const
+  /// Makes coordinates relative to a point.
+  void SetCenter(const glm::dvec3& center)
   {
-    float largest = 0.0f;
-    for (const float c : this->Coefficients)
+    for (int a = 0; a < 3; ++a)
     {
-      largest = std::max(largest, std::abs(c));
+      this->Origin[a] = static_cast<float>(this->Corner[a] - center[a]);
     }
-    return largest;
+  }
+
+  /// The largest of |x|, |y| and |z| of all control points.
+  float GetLargestCoefficient() const { return this->LargestCoefficient; }
+
+  std::size_t GetMemorySize() const
+  {
+    return this->Coefficients ? this->Coefficients->capacity() * sizeof(float) : 0;
   }
 
 private:
@@ -97,14 +110,19 @@ private:
 
   void Copy(const std::vector<glm::dvec3>& coefficients)
   {
-    this->Coefficients.clear();
-    this->Coefficients.reserve(3 * coefficients.size());
+    auto copy = std::make_shared<std::vector<float>>();
+    copy->reserve(3 * coefficients.size() + 1);
     for (const glm::dvec3& c : coefficients)
     {
-      this->Coefficients.push_back(static_cast<float>(c.x));
-      this->Coefficients.push_back(static_cast<float>(c.y));
-      this->Coefficients.push_back(static_cast<float>(c.z));
+      for (int a = 0; a < 3; ++a)
+      {
+        copy->push_back(static_cast<float>(c[a]));
+        this->LargestCoefficient = std::max(this->LargestCoefficient, std::abs(copy->back()));
+      }
     }
+    // Control points are loaded with the number behind them.
+    copy->push_back(0.0f);
+    this->Coefficients = std::move(copy);
   }
 
   static bool CanExtend(const BSplineField& field, const Box& rest)
@@ -207,6 +225,9 @@ private:
     }
     return std::sqrt(sum);
   }
+
+  glm::dvec3 Corner{ 0.0 }; ///< the first control point, data coordinates
+  float LargestCoefficient = 0.0f;
 };
 
 } // namespace ffd

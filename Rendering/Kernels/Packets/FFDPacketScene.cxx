@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDPacketScene.h"
 
+#include "FFDFieldCache.h"
 #include "FFDPacketOptics.h"
 #include "FFDRounding.h"
 #include "FFDSamplePhase.h"
@@ -398,11 +399,14 @@ void SetPullBack(PacketScene& p)
   // Only where T is not known to be one to one: what goes on linearly may fold where D as it is
   // does not, and lead Newton's method out of the volume.
   const bool extended = InvertsTheField(p.Kind) && !scene.Limits.OneToOne;
-  p.Field.Assign(*scene.Map->GetField(), p.Center, extended ? &restBounds : nullptr);
+  FieldCache own;
+  FieldCache& cache = scene.KeptOfField ? *scene.KeptOfField : own;
+  p.Field = cache.FindPacketField(*scene.Map->GetField(), extended ? &restBounds : nullptr);
+  p.Field.SetCenter(p.Center);
   if (InvertsTheField(p.Kind))
   {
     p.Field.Rounding =
-      static_cast<float>(SinglePrecision * static_cast<double>(p.Field.FindLargestCoefficient()));
+      static_cast<float>(SinglePrecision * static_cast<double>(p.Field.GetLargestCoefficient()));
     p.Field.LargestRounding = static_cast<float>(NodeTolerance * scene.VoxelSize);
     AddSeeds(scene.Volume, rest, restBounds, p);
   }

@@ -12,6 +12,7 @@
 
 #include "FFDSimdMath-inl.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <type_traits>
 
@@ -25,6 +26,8 @@ namespace HWY_NAMESPACE
 constexpr int LargestSupport = 8;
 /// Cells of an axis whose supports have that many.
 constexpr int LargestSpread = LargestSupport - 3;
+/// More control points for each lane take longer than lane by lane.
+constexpr int PointsPerLane = 20;
 
 /// Position of every lane on one axis of the lattice.
 struct SplineAxis
@@ -75,17 +78,24 @@ struct SplineSupport
   Vf Slopes[LargestSupport];
 };
 
-/// `lanes`: at least one, in the LargestSpread cells of `axis` from `first` on.
+/// The number of control points along an axis that `lanes` need, those of cells from `first` on.
+HWY_INLINE int CountSupport(const SplineAxis& axis, Mf lanes, int first)
+{
+  const Di di;
+  const Vi cells = hn::Sub(axis.Cell, hn::Set(di, first));
+  return 4 + hn::GetLane(hn::MaxOfLanes(di, hn::IfThenElseZero(hn::RebindMask(di, lanes), cells)));
+}
+
+/// `count`: CountSupport(), at most LargestSupport.
 template <bool WithSlopes>
 HWY_INLINE void SpreadOverSupport(
-  const SplineAxis& axis, Mf lanes, int first, SplineSupport& support)
+  const SplineAxis& axis, int first, int count, SplineSupport& support)
 {
   const Df d;
   const Di di;
-  const hn::Mask<Di> mine = hn::RebindMask(di, lanes);
   const Vi cells = hn::Sub(axis.Cell, hn::Set(di, first));
-  const int last = hn::GetLane(hn::MaxOfLanes(di, hn::IfThenElseZero(mine, cells)));
-  support.Count = 4 + last;
+  const int last = count - 4;
+  support.Count = count;
   if (last == 0)
   {
     for (int i = 0; i < 4; ++i)
@@ -125,9 +135,15 @@ struct FieldValue
   Vec3 Dz;
 };
 
+HWY_INLINE FieldValue Select(Mf lanes, const FieldValue& yes, const FieldValue& no)
+{
+  return { Select(lanes, yes.Displacement, no.Displacement), Select(lanes, yes.Dx, no.Dx),
+    Select(lanes, yes.Dy, no.Dy), Select(lanes, yes.Dz, no.Dz) };
+}
+
 /// The sum over Nx x y.Count x z.Count control points from `corner` on.
 template <bool WithSlopes, int Nx>
-HWY_INLINE void SumOverSupport(const float* corner, std::size_t stepY, std::size_t stepZ,
+HWY_INLINE void SumOverColumns(const float* corner, std::ptrdiff_t stepY, std::ptrdiff_t stepZ,
   const SplineSupport& x, const SplineSupport& y, const SplineSupport& z, FieldValue& value)
 {
   const Vf zero = hn::Zero(Df());
@@ -177,11 +193,158 @@ HWY_INLINE void SumOverSupport(const float* corner, std::size_t stepY, std::size
   value = { sum, sumX, sumY, sumZ };
 }
 
+/// The sum over the control points of a support along each axis, from `corner` on.
+template <bool WithSlopes>
+HWY_INLINE void SumOverSupport(const float* corner, std::ptrdiff_t stepY, std::ptrdiff_t stepZ,
+  const SplineSupport support[3], FieldValue& value)
+{
+  const auto sum = [&](auto columns) {
+    SumOverColumns<WithSlopes, decltype(columns)::value>(
+      corner, stepY, stepZ, support[0], support[1], support[2], value);
+  };
+  switch (support[0].Count)
+  {
+    case 4:
+      sum(std::integral_constant<int, 4>());
+      break;
+    case 5:
+      sum(std::integral_constant<int, 5>());
+      break;
+    case 6:
+      sum(std::integral_constant<int, 6>());
+      break;
+    case 7:
+      sum(std::integral_constant<int, 7>());
+      break;
+    default:
+      sum(std::integral_constant<int, LargestSupport>());
+      break;
+  }
+}
+
+#if HWY_TARGET != HWY_SCALAR
+/// Sums up each lane of `lanes` by itself, over its own 4 x 4 x 4 control points, x, y and z of one
+/// at a time: the same operations as SumOverSupport(). `points`: of the cell 0 of each axis.
+template <bool WithSlopes>
+HWY_NOINLINE void SumLaneByLane(const float* points, std::ptrdiff_t stepY, std::ptrdiff_t stepZ,
+  const SplineAxis axes[3], Mf lanes, FieldValue& value)
+{
+  const Df d;
+  const hn::FixedTag<float, 4> d4;
+  using V4 = hn::Vec<decltype(d4)>;
+  constexpr std::size_t count = hn::MaxLanes(Df());
+  constexpr int vectors = WithSlopes ? 4 : 1;
+  HWY_ALIGN int cells[3][count];
+  HWY_ALIGN float weights[3][4][count];
+  HWY_ALIGN float slopes[3][4][count];
+  HWY_ALIGN float sums[4][4 * count];
+  for (int a = 0; a < 3; ++a)
+  {
+    hn::Store(axes[a].Cell, Di(), cells[a]);
+    for (int i = 0; i < 4; ++i)
+    {
+      hn::Store(axes[a].Weights[i], d, weights[a][i]);
+      if constexpr (WithSlopes)
+      {
+        hn::Store(axes[a].Slopes[i], d, slopes[a][i]);
+      }
+    }
+  }
+  for (int v = 0; v < vectors; ++v)
+  {
+    std::fill_n(sums[v], 4 * hn::Lanes(d), 0.0f);
+  }
+  HWY_ALIGN float wanted[count];
+  hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, wanted);
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+  {
+    if (wanted[lane] == 0.0f)
+    {
+      continue;
+    }
+    V4 x[4];
+    V4 xSlope[4];
+    V4 y[4];
+    V4 ySlope[4];
+    for (int i = 0; i < 4; ++i)
+    {
+      x[i] = hn::Set(d4, weights[0][i][lane]);
+      y[i] = hn::Set(d4, weights[1][i][lane]);
+      if constexpr (WithSlopes)
+      {
+        xSlope[i] = hn::Set(d4, slopes[0][i][lane]);
+        ySlope[i] = hn::Set(d4, slopes[1][i][lane]);
+      }
+    }
+    V4 sum = hn::Zero(d4);
+    V4 sumX = sum;
+    V4 sumY = sum;
+    V4 sumZ = sum;
+    const float* corner = points + 3 * static_cast<std::ptrdiff_t>(cells[0][lane]) +
+      stepY * cells[1][lane] + stepZ * cells[2][lane];
+    for (int k = 0; k < 4; ++k, corner += stepZ)
+    {
+      V4 plane = hn::Zero(d4);
+      V4 planeX = plane;
+      V4 planeY = plane;
+      const float* c = corner;
+      for (int j = 0; j < 4; ++j, c += stepY)
+      {
+        const V4 first = hn::LoadU(d4, c);
+        V4 row = hn::Mul(x[0], first);
+        V4 slope = hn::Zero(d4);
+        if constexpr (WithSlopes)
+        {
+          slope = hn::Mul(xSlope[0], first);
+        }
+        for (int i = 1; i < 4; ++i)
+        {
+          const V4 point = hn::LoadU(d4, c + 3 * i);
+          row = hn::MulAdd(x[i], point, row);
+          if constexpr (WithSlopes)
+          {
+            slope = hn::MulAdd(xSlope[i], point, slope);
+          }
+        }
+        plane = hn::MulAdd(y[j], row, plane);
+        if constexpr (WithSlopes)
+        {
+          planeY = hn::MulAdd(ySlope[j], row, planeY);
+          planeX = hn::MulAdd(y[j], slope, planeX);
+        }
+      }
+      const V4 z = hn::Set(d4, weights[2][k][lane]);
+      sum = hn::MulAdd(z, plane, sum);
+      if constexpr (WithSlopes)
+      {
+        sumX = hn::MulAdd(z, planeX, sumX);
+        sumY = hn::MulAdd(z, planeY, sumY);
+        sumZ = hn::MulAdd(hn::Set(d4, slopes[2][k][lane]), plane, sumZ);
+      }
+    }
+    hn::Store(sum, d4, sums[0] + 4 * lane);
+    if constexpr (WithSlopes)
+    {
+      hn::Store(sumX, d4, sums[1] + 4 * lane);
+      hn::Store(sumY, d4, sums[2] + 4 * lane);
+      hn::Store(sumZ, d4, sums[3] + 4 * lane);
+    }
+  }
+  Vec3* const results[4] = { &value.Displacement, &value.Dx, &value.Dy, &value.Dz };
+  for (int v = 0; v < vectors; ++v)
+  {
+    Vf unused;
+    hn::LoadInterleaved4(d, sums[v], results[v]->x, results[v]->y, results[v]->z, unused);
+  }
+}
+#endif
+
 /**
  * D of every lane, and with WithSlopes its Jacobian by columns (dx, dy, dz). Lanes are mostly near
  * to each other: those that are within a few cells of the lattice are summed up over all control
- * points that any of them needs, each broadcast to all lanes. What a lane gets does not depend on
- * the others: control points that it does not need weigh nothing.
+ * points that any of them needs, each broadcast to all lanes, unless these are so many that it
+ * takes less to sum up each lane by itself. What a lane gets does not depend on the others: control
+ * points that it does not need weigh nothing.
  */
 template <bool WithSlopes>
 HWY_NOINLINE void EvaluateField(
@@ -196,8 +359,12 @@ HWY_NOINLINE void EvaluateField(
     LocateOnAxis<WithSlopes>(position[a], field.Origin[a], field.InverseSpacing[a],
       field.ClampMin[a], field.ClampMax[a], axes[a]);
   }
-  const std::size_t stepY = 3 * static_cast<std::size_t>(field.StrideY);
-  const std::size_t stepZ = stepY * static_cast<std::size_t>(field.StrideZ);
+  const std::ptrdiff_t stepY = 3 * static_cast<std::ptrdiff_t>(field.StrideY);
+  const std::ptrdiff_t stepZ = stepY * field.StrideZ;
+  // Of the cell 0 of each axis.
+  const float* const firstPoint =
+    field.Coefficients->data() + field.FirstOffset * (3 + stepY + stepZ);
+  FieldValue value;
   Mf todo = hn::FirstN(d, hn::Lanes(d));
   for (bool first = true; first || !hn::AllFalse(d, todo); first = false)
   {
@@ -212,54 +379,35 @@ HWY_NOINLINE void EvaluateField(
       lanes = hn::And(
         lanes, hn::RebindMask(d, hn::Lt(axes[a].Cell, hn::Set(di, least[a] + LargestSpread))));
     }
-    SplineSupport support[3];
-    std::size_t offsets[3];
-    for (int a = 0; a < 3; ++a)
+    const int counts[3] = { CountSupport(axes[0], lanes, least[0]),
+      CountSupport(axes[1], lanes, least[1]), CountSupport(axes[2], lanes, least[2]) };
+    FieldValue sum;
+#if HWY_TARGET != HWY_SCALAR
+    if (HWY_UNLIKELY(counts[0] * counts[1] * counts[2] >
+          PointsPerLane * static_cast<int>(hn::CountTrue(d, lanes))))
     {
-      SpreadOverSupport<WithSlopes>(axes[a], lanes, least[a], support[a]);
-      offsets[a] = static_cast<std::size_t>(least[a] + field.FirstOffset);
-    }
-    const float* const corner =
-      field.Coefficients.data() + 3 * offsets[0] + stepY * offsets[1] + stepZ * offsets[2];
-    FieldValue value;
-    const auto sum = [&](auto columns) {
-      SumOverSupport<WithSlopes, decltype(columns)::value>(
-        corner, stepY, stepZ, support[0], support[1], support[2], value);
-    };
-    switch (support[0].Count)
-    {
-      case 4:
-        sum(std::integral_constant<int, 4>());
-        break;
-      case 5:
-        sum(std::integral_constant<int, 5>());
-        break;
-      case 6:
-        sum(std::integral_constant<int, 6>());
-        break;
-      case 7:
-        sum(std::integral_constant<int, 7>());
-        break;
-      default:
-        sum(std::integral_constant<int, LargestSupport>());
-        break;
-    }
-    if (first)
-    {
-      displacement = value.Displacement;
-      dx = value.Dx;
-      dy = value.Dy;
-      dz = value.Dz;
+      lanes = todo;
+      SumLaneByLane<WithSlopes>(firstPoint, stepY, stepZ, axes, lanes, sum);
     }
     else
+#endif
     {
-      displacement = Select(lanes, value.Displacement, displacement);
-      dx = Select(lanes, value.Dx, dx);
-      dy = Select(lanes, value.Dy, dy);
-      dz = Select(lanes, value.Dz, dz);
+      SplineSupport support[3];
+      for (int a = 0; a < 3; ++a)
+      {
+        SpreadOverSupport<WithSlopes>(axes[a], least[a], counts[a], support[a]);
+      }
+      SumOverSupport<WithSlopes>(firstPoint + 3 * static_cast<std::ptrdiff_t>(least[0]) +
+          stepY * least[1] + stepZ * least[2],
+        stepY, stepZ, support, sum);
     }
+    value = first ? sum : Select(lanes, sum, value);
     todo = hn::AndNot(lanes, todo);
   }
+  displacement = value.Displacement;
+  dx = value.Dx;
+  dy = value.Dy;
+  dz = value.Dz;
 }
 
 HWY_INLINE Vec3 Displacement(const PacketField& field, const Vec3& p)

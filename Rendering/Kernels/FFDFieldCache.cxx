@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDFieldCache.h"
+
+#include <algorithm>
+
+namespace ffd
+{
+namespace
+{
+
+/// A frame has at most three grids of boxes.
+constexpr std::size_t LargestNumberOfImages = 3;
+
+} // namespace
+
+//------------------------------------------------------------------------------
+PacketField FieldCache::FindPacketField(const BSplineField& field, const Box* rest)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  if (!rest)
+  {
+    if (!this->Plain.Coefficients)
+    {
+      this->Plain = PacketField(field, nullptr);
+    }
+    return this->Plain;
+  }
+  if (!this->Extended.Field.Coefficients || !(this->Extended.Rest == *rest))
+  {
+    this->Extended = { PacketField(field, rest), *rest };
+  }
+  return this->Extended.Field;
+}
+
+//------------------------------------------------------------------------------
+std::shared_ptr<const BoxImages> FieldCache::FindBoxImages(
+  const BoxGrid& boxes, const BSplineField& field, double sign)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  const auto known = std::find_if(this->Images.begin(), this->Images.end(),
+    [&](const auto& each) { return each->GetBoxes() == boxes && each->GetSign() == sign; });
+  if (known != this->Images.end())
+  {
+    std::rotate(known, known + 1, this->Images.end());
+    return this->Images.back();
+  }
+  auto made = std::make_shared<const BoxImages>(boxes, &field, sign);
+  if (this->Images.size() == LargestNumberOfImages)
+  {
+    this->Images.erase(this->Images.begin());
+  }
+  this->Images.push_back(made);
+  return made;
+}
+
+//------------------------------------------------------------------------------
+ThirdDerivatives FieldCache::FindThirdDerivatives(const BSplineField& field)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  if (!this->Third)
+  {
+    this->Third = BoundThirdDerivatives(field);
+  }
+  return *this->Third;
+}
+
+//------------------------------------------------------------------------------
+std::size_t FieldCache::GetMemorySize() const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  std::size_t size = this->Plain.GetMemorySize() + this->Extended.Field.GetMemorySize();
+  for (const auto& each : this->Images)
+  {
+    size += each->GetMemorySize();
+  }
+  return size;
+}
+
+} // namespace ffd

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#ifndef FFDFieldCache_h
+#define FFDFieldCache_h
+
+#include "Bounds/FFDBox.h"
+#include "FFDBoxImages.h"
+#include "FFDBoxOrientation.h"
+#include "FFDBSplineField.h"
+#include "FFDExport.h"
+#include "Packets/FFDPacketField.h"
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace ffd
+{
+
+/**
+ * What frames need of a field that does not change, found on first use: with a lattice of many
+ * control points that takes longer than a frame. The field is always the same one. Threads may
+ * share it.
+ */
+class FFD_RENDERING_EXPORT FieldCache
+{
+public:
+  /// PacketField(field, rest), relative to the origin of the data.
+  PacketField FindPacketField(const BSplineField& field, const Box* rest);
+
+  /// BoxImages(boxes, &field, sign), for a few last grids of boxes.
+  std::shared_ptr<const BoxImages> FindBoxImages(
+    const BoxGrid& boxes, const BSplineField& field, double sign);
+
+  ThirdDerivatives FindThirdDerivatives(const BSplineField& field);
+
+  std::size_t GetMemorySize() const;
+
+private:
+  struct ExtendedField
+  {
+    PacketField Field;
+    Box Rest;
+  };
+  mutable std::mutex Mutex;
+  PacketField Plain;
+  ExtendedField Extended;
+  std::vector<std::shared_ptr<const BoxImages>> Images; ///< the last one was asked for last
+  std::optional<ThirdDerivatives> Third;
+};
+
+} // namespace ffd
+
+#endif

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "FFDFieldCache.h"
+#include "RandomLattice.h"
+
+#include <gtest/gtest.h>
+
+using namespace ffd;
+
+namespace
+{
+
+/// The part of a lattice in which D is known, from the second control point to the last but one.
+Box FindDomain(const BSplineField& field)
+{
+  return { field.GetOrigin() + field.GetSpacing(),
+    field.GetOrigin() + field.GetSpacing() * glm::dvec3(field.GetNodes() - 2) };
+}
+
+} // namespace
+
+TEST(FieldCache, MakesEachFieldOnce)
+{
+  RandomLattice random(51);
+  const BSplineField field = random.Field(0.3, BorderMode::Edge);
+  FieldCache cache;
+  EXPECT_EQ(cache.GetMemorySize(), 0u);
+  const PacketField plain = cache.FindPacketField(field, nullptr);
+  EXPECT_EQ(*plain.Coefficients, *PacketField(field, nullptr).Coefficients);
+  EXPECT_EQ(cache.FindPacketField(field, nullptr).Coefficients, plain.Coefficients);
+  EXPECT_GE(cache.GetMemorySize(), plain.GetMemorySize());
+
+  Box rest = FindDomain(field);
+  const PacketField extended = cache.FindPacketField(field, &rest);
+  EXPECT_EQ(*extended.Coefficients, *PacketField(field, &rest).Coefficients);
+  EXPECT_NE(*extended.Coefficients, *plain.Coefficients);
+  EXPECT_EQ(cache.FindPacketField(field, &rest).Coefficients, extended.Coefficients);
+  EXPECT_EQ(cache.FindPacketField(field, nullptr).Coefficients, plain.Coefficients);
+  EXPECT_GE(cache.GetMemorySize(), plain.GetMemorySize() + extended.GetMemorySize());
+
+  // Of a volume that reaches beyond the lattice nothing is extended.
+  rest.Max += 5.0 * field.GetSpacing();
+  EXPECT_EQ(*cache.FindPacketField(field, &rest).Coefficients, *plain.Coefficients);
+}
+
+TEST(FieldCache, SetsTheCenterOfACopy)
+{
+  RandomLattice random(52);
+  const BSplineField field = random.Field(0.3, BorderMode::Edge);
+  FieldCache cache;
+  PacketField moved = cache.FindPacketField(field, nullptr);
+  moved.SetCenter(field.GetOrigin());
+  for (int a = 0; a < 3; ++a)
+  {
+    EXPECT_EQ(moved.Origin[a], 0.0f);
+    EXPECT_EQ(
+      cache.FindPacketField(field, nullptr).Origin[a], static_cast<float>(field.GetOrigin()[a]));
+  }
+}
+
+TEST(FieldCache, KeepsTheImagesOfAFewGrids)
+{
+  RandomLattice random(53);
+  const BSplineField field = random.Field(0.3, BorderMode::Edge);
+  FieldCache cache;
+  const BoxGrid coarse(FindDomain(field), 50.0, 1e-3);
+  const BoxGrid fine(FindDomain(field), 500.0, 1e-3);
+  const auto images = cache.FindBoxImages(coarse, field, 1.0);
+  EXPECT_EQ(images->GetBoxes(), coarse);
+  EXPECT_EQ(cache.FindBoxImages(coarse, field, 1.0), images);
+  EXPECT_NE(cache.FindBoxImages(fine, field, 1.0), images);
+  EXPECT_EQ(cache.FindBoxImages(fine, field, 1.0)->GetBoxes(), fine);
+  const auto mirrored = cache.FindBoxImages(coarse, field, -1.0);
+  EXPECT_FALSE(mirrored->Find(glm::ivec3(0)) == images->Find(glm::ivec3(0)));
+  const std::size_t size = cache.GetMemorySize();
+  for (int number = 60; number < 100; number += 10)
+  {
+    cache.FindBoxImages(BoxGrid(FindDomain(field), number, 1e-3), field, 1.0);
+  }
+  EXPECT_LE(cache.GetMemorySize(), size);
+  // Made anew, and the same.
+  EXPECT_EQ(
+    cache.FindBoxImages(coarse, field, 1.0)->Find(glm::ivec3(0)), images->Find(glm::ivec3(0)));
+}
