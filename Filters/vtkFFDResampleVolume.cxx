@@ -494,14 +494,16 @@ bool vtkFFDResampleVolume::UpdateInternals(vtkInformation* input, std::string& m
     return false;
   }
   in.RestBounds = FindBox(in.Input, whole);
-  const double bounds[6] = { in.RestBounds.Min.x, in.RestBounds.Max.x, in.RestBounds.Min.y,
-    in.RestBounds.Max.y, in.RestBounds.Min.z, in.RestBounds.Max.z };
+  const ffd::Box& rest = in.RestBounds;
   const double voxel = std::min({ glm::length(in.Input.IndexToData[0]),
     glm::length(in.Input.IndexToData[1]), glm::length(in.Input.IndexToData[2]) });
   vtkImageData* image = vtkImageData::GetData(input);
   ffd::StageTools tools;
   in.Order.Begin();
-  if (!in.Source.Update(this->Deformation, image, bounds, this->PositionTolerance * voxel, tools))
+  const ffd::FitRequest fit{ { rest.Min.x, rest.Max.x, rest.Min.y, rest.Max.y, rest.Min.z,
+                               rest.Max.z },
+    this->PositionTolerance * voxel, this->InverseMode == EXACT };
+  if (!in.Source.Update(this->Deformation, image, fit, tools))
   {
     message = tools.Message;
     return false;

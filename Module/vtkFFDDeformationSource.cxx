@@ -15,6 +15,7 @@
 #include "vtkImageData.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -28,12 +29,10 @@ constexpr int ProbesPerSide = 9;
 /// Margin that is added to the region on each side, as a fraction of its size.
 constexpr double RegionMargin = 0.1;
 
-/// The box over which a lattice stands for a transform.
-ffd::Box FindFitRegion(vtkAbstractTransform* transform, const double bounds[6])
+/// The box over which a lattice stands for a transform, also where it moves an image to.
+ffd::Box FindFitRegion(vtkAbstractTransform* transform, const std::array<double, 6>& bounds)
 {
-  // The renderer evaluates the deformation in the volume at rest and, in the other inverse modes,
-  // where the volume is moved to or comes from: all of that has to be covered.
-  vtkBoundingBox box(bounds);
+  vtkBoundingBox box(bounds.data());
   vtkAbstractTransform* const directions[2] = { transform, transform->GetInverse() };
   for (vtkAbstractTransform* direction : directions)
   {
@@ -64,12 +63,61 @@ ffd::Box FindFitRegion(vtkAbstractTransform* transform, const double bounds[6])
   return region;
 }
 
+/// Fits a lattice to a transform as asked for; `error`: the largest one, data units.
+ffd::FitStatus FitLattice(vtkAbstractTransform* transform, const ffd::FitRequest& request,
+  ffd::Lattice& lattice, double& error)
+{
+  using ffd::FitStatus;
+  const ffd::DisplacementSampler sample = vtkFFDMakeTransformSampler(transform);
+  const ffd::Box region = FindFitRegion(transform, request.Bounds);
+  ffd::FitLimits limits;
+  limits.Tolerance = request.Tolerance;
+  const int mostCells = limits.MaximumCells;
+  if (!request.AtRest)
+  {
+    return lattice.Fit(region, sample, limits, error);
+  }
+  // Frames take least where T goes on smoothly beyond the image. But a transform may end where the
+  // image does, as one that is given on its points: then it is best to know nothing beyond.
+  limits.MaximumCells = mostCells / 4;
+  FitStatus status = lattice.Fit(region, sample, limits, error);
+  if (status == FitStatus::Reached)
+  {
+    return status;
+  }
+  const std::array<double, 6>& b = request.Bounds;
+  ffd::Box image{ { b[0], b[2], b[4] }, { b[1], b[3], b[5] } };
+  ffd::WidenFlatAxes(image);
+  ffd::Lattice inside;
+  double errorInside = 0.0;
+  const int tried = limits.MaximumCells;
+  limits.MaximumCells = mostCells / 2;
+  if (inside.Fit(image, sample, limits, errorInside) == FitStatus::Reached)
+  {
+    const glm::ivec3 cells = inside.Net.Nodes - 3;
+    limits.MaximumCells = 2 * std::max({ cells.x, cells.y, cells.z });
+    if (limits.MaximumCells > tried)
+    {
+      status = lattice.Fit(region, sample, limits, error);
+    }
+    if (status != FitStatus::Reached)
+    {
+      lattice = inside;
+      error = errorInside;
+    }
+    return FitStatus::Reached;
+  }
+  limits.MaximumCells = mostCells;
+  status = lattice.Fit(region, sample, limits, error);
+  return status == FitStatus::NotFinite ? lattice.Fit(image, sample, limits, error) : status;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
 ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
   const Source<vtkAbstractTransform>& source, const Source<vtkDataObject>& attached,
-  const std::optional<FitRegion>& fit)
+  const std::optional<FitRequest>& fit)
 {
   BSplineField field;
   bool inverted = false;
@@ -93,11 +141,7 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
   {
     const std::string name = source.Object->GetClassName();
     Lattice lattice;
-    FitLimits limits;
-    limits.Tolerance = fit->back();
-    const bool finite =
-      lattice.Fit(FindFitRegion(source.Object, fit->data()),
-        vtkFFDMakeTransformSampler(source.Object), limits, error) != FitStatus::NotFinite;
+    const bool finite = FitLattice(source.Object, *fit, lattice, error) != FitStatus::NotFinite;
     reason = finite ? lattice.FindProblem() : "it gives points that are not finite";
     if (!reason.empty())
     {
@@ -106,11 +150,11 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
         ". Check that it is finite there.";
       return Made::Not;
     }
-    if (error > limits.Tolerance)
+    if (error > fit->Tolerance)
     {
       std::ostringstream text;
       text << "The deformation, a " << name << ", is approximated by a lattice with an error of "
-           << error << " instead of the PositionTolerance of " << limits.Tolerance
+           << error << " instead of the PositionTolerance of " << fit->Tolerance
            << " (data units).";
       tools.Warning = text.str();
     }
@@ -145,27 +189,22 @@ vtkFFDDeformationSource::~vtkFFDDeformationSource() = default;
 
 //------------------------------------------------------------------------------
 bool vtkFFDDeformationSource::Update(vtkAbstractTransform* transform, vtkDataObject* image,
-  const double bounds[6], double tolerance, ffd::StageTools& tools)
+  const ffd::FitRequest& fit, ffd::StageTools& tools)
 {
   ffd::Source<vtkAbstractTransform> source;
   ffd::Source<vtkDataObject> attached;
-  std::optional<ffd::FitRegion> fit;
+  const bool isFitted = transform && !vtkBSplineTransform::SafeDownCast(transform);
   if (transform)
   {
     transform->Update();
     source = { transform, transform->GetMTime() };
-    if (!vtkBSplineTransform::SafeDownCast(transform))
-    {
-      fit.emplace();
-      std::copy_n(bounds, 6, fit->begin());
-      fit->back() = tolerance;
-    }
   }
   else if (vtkFFDHasLattice(image))
   {
     attached = { image, std::max(image->GetMTime(), image->GetFieldData()->GetMTime()) };
   }
-  return this->Field.Update(tools, source, attached, fit);
+  return this->Field.Update(
+    tools, source, attached, isFitted ? std::make_optional(fit) : std::nullopt);
 }
 
 //------------------------------------------------------------------------------

@@ -35,15 +35,25 @@ struct DeformationField
   double Error = 0.0;    ///< largest distance of a transform from its approximation, data units
 };
 
-/// Region in which a transform is approximated: bounds of the image, then the largest error, data
-/// units.
-using FitRegion = std::array<double, 7>;
+/// Where and how closely a transform is approximated.
+struct FitRequest
+{
+  std::array<double, 6> Bounds{}; ///< of the image, data coordinates
+  double Tolerance = 0.0;         ///< largest error, data units
+  bool AtRest = false;            ///< what happens in the image alone matters, nothing beyond it
+
+  bool operator==(const FitRequest& other) const
+  {
+    return this->Bounds == other.Bounds && this->Tolerance == other.Tolerance &&
+      this->AtRest == other.AtRest;
+  }
+};
 
 /// The field of a transform or, without one, of the lattice that `attached` holds; `fit` for the
 /// transforms that are approximated.
 Made MakeDeformationField(DeformationField& result, StageTools& tools,
   const Source<vtkAbstractTransform>& transform, const Source<vtkDataObject>& attached,
-  const std::optional<FitRegion>& fit);
+  const std::optional<FitRequest>& fit);
 
 } // namespace ffd
 
@@ -56,12 +66,12 @@ public:
   vtkFFDDeformationSource& operator=(const vtkFFDDeformationSource&) = delete;
 
   /**
-   * Bring the field up to date. `bounds`: those of the image; `tolerance`: largest error of an
-   * approximation, data units. Returns false and a message when the deformation cannot be used;
-   * the warning of `tools` is set when it can, with a reservation.
+   * Bring the field up to date. `fit`: for a transform that is approximated. Returns false and a
+   * message when the deformation cannot be used; the warning of `tools` is set when it can, with a
+   * reservation.
    */
   VTKFFDCORE_EXPORT bool Update(vtkAbstractTransform* transform, vtkDataObject* image,
-    const double bounds[6], double tolerance, ffd::StageTools& tools);
+    const ffd::FitRequest& fit, ffd::StageTools& tools);
 
   /// The field, which is another one when its control points, or where they lie, have changed.
   ffd::Product<ffd::DeformationField> GetProduct() const { return this->Field.GetProduct(); }

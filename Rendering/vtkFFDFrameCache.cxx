@@ -225,8 +225,9 @@ bool vtkFFDFrameCache::UpdatePullBack(Mapper* mapper, vtkDataSet* input, ffd::St
     std::copy_n(mapper->GetWholeBounds(), 6, bounds.begin());
   }
   const double voxel = this->GetVoxelSize();
-  const bool made = this->Field.Update(
-    mapper->GetDeformation(), input, bounds.data(), mapper->GetPositionTolerance() * voxel, tools);
+  const ffd::FitRequest fit{ bounds, mapper->GetPositionTolerance() * voxel,
+    mapper->GetInverseMode() == Mapper::EXACT };
+  const bool made = this->Field.Update(mapper->GetDeformation(), input, fit, tools);
   const auto warn = [&] {
     if (!tools.Warning.empty())
     {
