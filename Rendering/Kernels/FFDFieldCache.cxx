@@ -12,11 +12,20 @@ namespace
 /// A frame has at most three grids of boxes.
 constexpr std::size_t LargestNumberOfImages = 3;
 
+bool HasFewControlPoints(const BSplineField& field)
+{
+  return field.GetCoefficients().size() <= FieldCache::FewControlPoints;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
 PacketField FieldCache::FindPacketField(const BSplineField& field, const Box* rest)
 {
+  if (HasFewControlPoints(field))
+  {
+    return PacketField(field, rest);
+  }
   const std::lock_guard<std::mutex> lock(this->Mutex);
   if (!rest)
   {
@@ -37,6 +46,10 @@ PacketField FieldCache::FindPacketField(const BSplineField& field, const Box* re
 std::shared_ptr<const BoxImages> FieldCache::FindBoxImages(
   const BoxGrid& boxes, const BSplineField& field, double sign)
 {
+  if (HasFewControlPoints(field))
+  {
+    return std::make_shared<const BoxImages>(boxes, &field, sign);
+  }
   const std::lock_guard<std::mutex> lock(this->Mutex);
   const auto known = std::find_if(this->Images.begin(), this->Images.end(),
     [&](const auto& each) { return each->GetBoxes() == boxes && each->GetSign() == sign; });
@@ -57,6 +70,10 @@ std::shared_ptr<const BoxImages> FieldCache::FindBoxImages(
 //------------------------------------------------------------------------------
 ThirdDerivatives FieldCache::FindThirdDerivatives(const BSplineField& field)
 {
+  if (HasFewControlPoints(field))
+  {
+    return BoundThirdDerivatives(field);
+  }
   const std::lock_guard<std::mutex> lock(this->Mutex);
   if (!this->Third)
   {

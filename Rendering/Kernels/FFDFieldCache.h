@@ -22,12 +22,16 @@ namespace ffd
 
 /**
  * What frames need of a field that does not change, found on first use: with a lattice of many
- * control points that takes longer than a frame. The field is always the same one. Threads may
- * share it.
+ * control points that takes longer than a frame. Nothing is kept of one of few, which takes little
+ * time, and memory that counts beside a small volume. The field is always the same one. Threads may
+ * share a cache.
  */
 class FFD_RENDERING_EXPORT FieldCache
 {
 public:
+  /// Control points of a field, with those of its border, of which nothing is kept.
+  static constexpr std::size_t FewControlPoints = 8000;
+
   /// PacketField(field, rest), relative to the origin of the data.
   PacketField FindPacketField(const BSplineField& field, const Box* rest);
 

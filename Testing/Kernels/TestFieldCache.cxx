@@ -1,14 +1,31 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDFieldCache.h"
+#include "FFDGridIndex.h"
 #include "RandomLattice.h"
 
 #include <gtest/gtest.h>
+
+#include <cstddef>
+#include <vector>
 
 using namespace ffd;
 
 namespace
 {
+
+/// A lattice of `nodes` control points along each axis.
+BSplineField MakeField(int nodes)
+{
+  RandomLattice random(51);
+  std::vector<glm::dvec3> displacements(GridSize(glm::ivec3(nodes)));
+  for (glm::dvec3& d : displacements)
+  {
+    d = random.Vector(-0.3, 0.3);
+  }
+  return BSplineField(
+    glm::ivec3(nodes), glm::dvec3(1.0, -2.0, 3.0), glm::dvec3(1.0, 0.7, 1.3), displacements.data());
+}
 
 /// The part of a lattice in which D is known, from the second control point to the last but one.
 Box FindDomain(const BSplineField& field)
@@ -21,8 +38,7 @@ Box FindDomain(const BSplineField& field)
 
 TEST(FieldCache, MakesEachFieldOnce)
 {
-  RandomLattice random(51);
-  const BSplineField field = random.Field(0.3, BorderMode::Edge);
+  const BSplineField field = MakeField(16);
   FieldCache cache;
   EXPECT_EQ(cache.GetMemorySize(), 0u);
   const PacketField plain = cache.FindPacketField(field, nullptr);
@@ -43,10 +59,24 @@ TEST(FieldCache, MakesEachFieldOnce)
   EXPECT_EQ(*cache.FindPacketField(field, &rest).Coefficients, *plain.Coefficients);
 }
 
+TEST(FieldCache, KeepsNothingOfFewControlPoints)
+{
+  const BSplineField field = MakeField(8);
+  FieldCache cache;
+  const Box rest = FindDomain(field);
+  const BoxGrid boxes(rest, 50.0, 1e-3);
+  EXPECT_EQ(
+    *cache.FindPacketField(field, &rest).Coefficients, *PacketField(field, &rest).Coefficients);
+  EXPECT_EQ(cache.FindBoxImages(boxes, field, -1.0)->Find(glm::ivec3(0)),
+    BoxImages(boxes, &field, -1.0).Find(glm::ivec3(0)));
+  EXPECT_EQ(cache.FindThirdDerivatives(field).Largest[0][1][2],
+    BoundThirdDerivatives(field).Largest[0][1][2]);
+  EXPECT_EQ(cache.GetMemorySize(), 0u);
+}
+
 TEST(FieldCache, SetsTheCenterOfACopy)
 {
-  RandomLattice random(52);
-  const BSplineField field = random.Field(0.3, BorderMode::Edge);
+  const BSplineField field = MakeField(16);
   FieldCache cache;
   PacketField moved = cache.FindPacketField(field, nullptr);
   moved.SetCenter(field.GetOrigin());
@@ -60,8 +90,7 @@ TEST(FieldCache, SetsTheCenterOfACopy)
 
 TEST(FieldCache, KeepsTheImagesOfAFewGrids)
 {
-  RandomLattice random(53);
-  const BSplineField field = random.Field(0.3, BorderMode::Edge);
+  const BSplineField field = MakeField(16);
   FieldCache cache;
   const BoxGrid coarse(FindDomain(field), 50.0, 1e-3);
   const BoxGrid fine(FindDomain(field), 500.0, 1e-3);
