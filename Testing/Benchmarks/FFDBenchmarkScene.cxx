@@ -93,11 +93,11 @@ vtkSmartPointer<vtkVolumeProperty> MakeProperty(Opacity opacity)
 }
 
 //------------------------------------------------------------------------------
-void Deform(vtkFFDLattice* lattice, vtkImageData* image, const Deformation& deformation)
+void Deform(vtkFFDLattice* lattice, vtkImageData* image, const Deformation& deformation, int side)
 {
   double bounds[6];
   image->GetBounds(bounds);
-  lattice->SetDimensions(LatticeSide, LatticeSide, LatticeSide);
+  lattice->SetDimensions(side, side, side);
   lattice->FitToBounds(bounds);
   lattice->Reset();
   const double magnitude = deformation.Magnitude;
@@ -110,11 +110,11 @@ void Deform(vtkFFDLattice* lattice, vtkImageData* image, const Deformation& defo
     const double length = bounds[2 * axis + 1] - bounds[2 * axis];
     return std::cos(vtkMath::Pi() * ((p[axis] - bounds[2 * axis]) / length - 0.5));
   };
-  for (int k = 0; k < LatticeSide; ++k)
+  for (int k = 0; k < side; ++k)
   {
-    for (int j = 0; j < LatticeSide; ++j)
+    for (int j = 0; j < side; ++j)
     {
-      for (int i = 0; i < LatticeSide; ++i)
+      for (int i = 0; i < side; ++i)
       {
         double p[3];
         lattice->GetRestPoint(i, j, k, p);

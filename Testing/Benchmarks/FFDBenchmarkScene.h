@@ -51,8 +51,9 @@ struct Deformation
 };
 std::string GetName(const Deformation& deformation);
 
-/// 8^3 control points over the bounds of the image.
-void Deform(vtkFFDLattice* lattice, vtkImageData* image, const Deformation& deformation);
+/// side^3 control points over the bounds of the image.
+void Deform(
+  vtkFFDLattice* lattice, vtkImageData* image, const Deformation& deformation, int side = 8);
 
 /// "engine" (its slices 0 to 112) or "cthead". Stops the program with a message without the file.
 vtkSmartPointer<vtkImageData> ReadVolume(const std::string& folder, const std::string& name);

@@ -13,6 +13,7 @@
 #include "vtkFFDRayStatistics.h"
 
 #include "vtkCamera.h"
+#include "vtkGridTransform.h"
 #include "vtkImageData.h"
 #include "vtkImageShiftScale.h"
 #include "vtkMath.h"
@@ -21,6 +22,7 @@
 #include "vtkRenderer.h"
 #include "vtkRTAnalyticSource.h"
 #include "vtkSmartPointer.h"
+#include "vtkTransformToGrid.h"
 #include "vtkVolume.h"
 #include "vtkVolumeMapper.h"
 #include "vtkVolumeProperty.h"
@@ -55,6 +57,7 @@ constexpr double ErrorByFineSamples = 1.0;
 constexpr double SpeedUpByTwoThreads = 1.85;
 constexpr double SpeedUpBySixteenThreads = 12.0;
 constexpr double FoldByNeighbor = 3.0;
+constexpr double ManyByFewControlPoints = 4.0;
 
 /// Shapes that fold or press the volume flat, and weaker ones.
 const std::pair<const char*, const char*> Folds[] = { { "bend2", "bend1" }, { "twist2", "twist1" },
@@ -198,6 +201,42 @@ std::shared_ptr<void> PrepareFolds(
 }
 
 //------------------------------------------------------------------------------
+/// Opaque frames of bend45 with lattices of as many control points along each axis as rows say, and
+/// as displacements on the points of a grid, which ends where the volume does.
+std::shared_ptr<void> PrepareLattices(Group& group, const std::string& folder)
+{
+  auto scene = std::make_shared<Scene>(ReadVolume(folder, "engine"), 512, Opacity::Opaque);
+  Scene* s = scene.get();
+  for (Row& row : group.GetRows())
+  {
+    const bool isGrid = row.Name == "grid";
+    vtkNew<vtkFFDLattice> lattice;
+    Deform(lattice, s->Image, { Shape::Smooth, 45.0 }, isGrid ? 64 : std::stoi(row.Name));
+    auto mapper = MakeMapper(s->Image, lattice, Variant::Exact);
+    if (isGrid)
+    {
+      vtkNew<vtkTransformToGrid> sampler;
+      sampler->SetInput(lattice);
+      double bounds[6];
+      s->Image->GetBounds(bounds);
+      sampler->SetGridExtent(0, 63, 0, 63, 0, 63);
+      sampler->SetGridOrigin(bounds[0], bounds[2], bounds[4]);
+      sampler->SetGridSpacing(
+        (bounds[1] - bounds[0]) / 63, (bounds[3] - bounds[2]) / 63, (bounds[5] - bounds[4]) / 63);
+      sampler->Update();
+      vtkNew<vtkGridTransform> grid;
+      grid->SetDisplacementGridData(sampler->GetOutput());
+      mapper->SetDeformation(grid);
+    }
+    vtkVolume* volume = s->Add(mapper);
+    CheckPicture(*s, volume, row);
+    row.Run = [s, volume] { s->View.Draw(volume); };
+    row.Run();
+  }
+  return scene;
+}
+
+//------------------------------------------------------------------------------
 /// Lets kernels use the instruction sets of `targets` alone; 0: all that the machine has.
 void UseTargets(std::int64_t targets)
 {
@@ -308,6 +347,7 @@ constexpr const char* SizesPrefix = "Sizes/";
 constexpr const char* ErrorsPrefix = "Errors/";
 constexpr const char* CoresPrefix = "Cores/";
 constexpr const char* FoldsPrefix = "Folds/";
+constexpr const char* Lattices = "Lattices/engine";
 
 double FindError(const Group& group, const char* name)
 {
@@ -445,6 +485,10 @@ std::vector<std::unique_ptr<Group>> MakeTargetGroups(const Options& options)
         rows);
     }
   }
+  add(
+    Lattices, [=](Group& group) { return PrepareLattices(group, folder); },
+    options.Quick ? std::vector<std::string>{ "8", "32", "grid" }
+                  : std::vector<std::string>{ "8", "16", "32", "64", "128", "grid" });
   std::vector<std::string> frameOptions;
   for (const FrameOption& option : GetFrameOptions())
   {
@@ -607,6 +651,18 @@ std::vector<Target> FindTargets(const std::vector<std::unique_ptr<Group>>& group
       {
         targets.push_back(
           { name + " " + fold + " / " + neighbor, group.GetRatio(fold, neighbor), FoldByNeighbor });
+      }
+    }
+    else if (name == Lattices)
+    {
+      for (const Row& row : group.GetRows())
+      {
+        if (row.Name != "8")
+        {
+          targets.push_back({ name + " EXACT, " +
+              (row.Name == "grid" ? "a grid of 64^3" : row.Name + "^3 control points") + " / 8^3",
+            group.GetRatio(row.Name, "8"), ManyByFewControlPoints });
+        }
       }
     }
     else if (StartsWith(name, "Targets/vectors/"))

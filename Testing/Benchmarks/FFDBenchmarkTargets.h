@@ -32,6 +32,7 @@ struct Target
  * Sizes/<side>/<type> (first frames and frames), Errors/<volume> (by distances of samples),
  * Cores/<opacity>/<size>/<scene> (by numbers of threads),
  * Folds/<volume> (shapes that fold by weaker ones),
+ * Lattices/<volume> (many control points by few),
  * Targets/paper (counts), Drag and WidgetDrag.
  */
 std::vector<std::unique_ptr<Group>> MakeTargetGroups(const Options& options);

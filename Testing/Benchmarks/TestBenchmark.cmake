@@ -41,7 +41,7 @@ message(STATUS "${rows} times in ${REPORT}")
 # The page of targets: each figure is there, and each target says whether it is met.
 execute_process(
   COMMAND "${BENCHMARK}" --targets --quick --rounds=1 "--json=${REPORT}"
-    "--only=engine/opaque.*(bare|empty|fixedpoint|undeformed|bend45)|vectors|paper/opaque|Options/.*/(plain|label map|jitter)$|Sizes/|Errors/|Cores/|Folds/"
+    "--only=engine/opaque.*(bare|empty|fixedpoint|undeformed|bend45)|vectors|paper/opaque|Options/.*/(plain|label map|jitter)$|Sizes/|Errors/|Cores/|Folds/|Lattices/"
   OUTPUT_VARIABLE page
   RESULT_VARIABLE status)
 if (NOT status EQUAL 0 OR NOT page MATCHES "targets met")
@@ -56,7 +56,7 @@ foreach (i RANGE ${last})
   string(JSON figure GET "${report}" ${i} figure)
   string(JSON target ERROR_VARIABLE none GET "${report}" ${i} target)
   # Five shapes and most options are left out.
-  if (name MATCHES "bend45 EXACT|empty frame beyond|undeformed, ms|paper|bend45 (label map|jitter) /|^Sizes|^Errors|^Cores|^Folds" AND
+  if (name MATCHES "bend45 EXACT|empty frame beyond|undeformed, ms|paper|bend45 (label map|jitter) /|^Sizes|^Errors|^Cores|^Folds|^Lattices" AND
       NOT figure MATCHES "^-?[0-9]")
     message(SEND_ERROR "${name} has no figure: ${figure}")
   endif ()
