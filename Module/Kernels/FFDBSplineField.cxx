@@ -219,4 +219,49 @@ glm::dvec3 BSplineField::Displacement(const glm::dvec3& p, glm::dmat3& jacobian)
   return sum;
 }
 
+//------------------------------------------------------------------------------
+BSplineField ExtendLinearly(const BSplineField& field, int cells)
+{
+  glm::ivec3 size = field.GetNodes();
+  std::vector<glm::dvec3> values;
+  values.reserve(GridSize(size));
+  for (int k = 0; k < size.z; ++k)
+  {
+    for (int j = 0; j < size.y; ++j)
+    {
+      const glm::dvec3* const row = &field.Coefficient(0, j, k);
+      values.insert(values.end(), row, row + size.x);
+    }
+  }
+  // Axis by axis; what lies between the entries of a line along one is `inner` entries apart.
+  std::size_t inner = 1;
+  for (int a = 0; a < 3; ++a)
+  {
+    const int last = size[a] - 1;
+    std::vector<glm::dvec3> extended;
+    size[a] += 2 * cells;
+    extended.reserve(GridSize(size));
+    const std::size_t line = inner * static_cast<std::size_t>(last + 1);
+    for (std::size_t first = 0; first < values.size(); first += line)
+    {
+      for (int i = -cells; i <= last + cells; ++i)
+      {
+        const int node = std::clamp(i, 0, last);
+        const double out = std::abs(i - node);
+        const int beside = i < 0 ? 1 : i > last ? last - 1 : node;
+        const glm::dvec3* const c = &values[first + inner * static_cast<std::size_t>(node)];
+        const glm::dvec3* const d = &values[first + inner * static_cast<std::size_t>(beside)];
+        for (std::size_t n = 0; n < inner; ++n)
+        {
+          extended.push_back(c[n] + out * (c[n] - d[n]));
+        }
+      }
+    }
+    values.swap(extended);
+    inner *= static_cast<std::size_t>(size[a]);
+  }
+  return BSplineField(size, field.GetOrigin() - static_cast<double>(cells) * field.GetSpacing(),
+    field.GetSpacing(), values.data());
+}
+
 } // namespace ffd

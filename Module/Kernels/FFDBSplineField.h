@@ -120,6 +120,13 @@ private:
   std::shared_ptr<const std::vector<glm::dvec3>> Coefficients;
 };
 
+/**
+ * The field of which D goes on linearly beyond the control points, for `cells` >= 0 cells, and is
+ * constant from there. `field` has at least 2 control points along each axis; in the cells whose
+ * control points are all its own the two are the same.
+ */
+FFD_CORE_EXPORT BSplineField ExtendLinearly(const BSplineField& field, int cells);
+
 } // namespace ffd
 
 #endif

@@ -20,26 +20,20 @@ bool HasFewControlPoints(const BSplineField& field)
 } // namespace
 
 //------------------------------------------------------------------------------
-PacketField FieldCache::FindPacketField(const BSplineField& field, const Box* rest)
+PacketField FieldCache::FindPacketField(const BSplineField& field, const Box& rest, int cells)
 {
   if (HasFewControlPoints(field))
   {
-    return PacketField(field, rest);
+    return PacketField(field, rest, cells);
   }
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  if (!rest)
+  if (!this->Packets.Coefficients || this->Cells != cells || !(this->Rest == rest))
   {
-    if (!this->Plain.Coefficients)
-    {
-      this->Plain = PacketField(field, nullptr);
-    }
-    return this->Plain;
+    this->Packets = PacketField(field, rest, cells);
+    this->Rest = rest;
+    this->Cells = cells;
   }
-  if (!this->Extended.Field.Coefficients || !(this->Extended.Rest == *rest))
-  {
-    this->Extended = { PacketField(field, rest), *rest };
-  }
-  return this->Extended.Field;
+  return this->Packets;
 }
 
 //------------------------------------------------------------------------------
@@ -86,7 +80,7 @@ ThirdDerivatives FieldCache::FindThirdDerivatives(const BSplineField& field)
 std::size_t FieldCache::GetMemorySize() const
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  std::size_t size = this->Plain.GetMemorySize() + this->Extended.Field.GetMemorySize();
+  std::size_t size = this->Packets.GetMemorySize();
   for (const auto& each : this->Images)
   {
     size += each->GetMemorySize();

@@ -32,8 +32,8 @@ public:
   /// Control points of a field, with those of its border, of which nothing is kept.
   static constexpr std::size_t FewControlPoints = 8000;
 
-  /// PacketField(field, rest), relative to the origin of the data.
-  PacketField FindPacketField(const BSplineField& field, const Box* rest);
+  /// PacketField(field, rest, cells), relative to the origin of the data.
+  PacketField FindPacketField(const BSplineField& field, const Box& rest, int cells);
 
   /// BoxImages(boxes, &field, sign), for a few last grids of boxes.
   std::shared_ptr<const BoxImages> FindBoxImages(
@@ -44,14 +44,10 @@ public:
   std::size_t GetMemorySize() const;
 
 private:
-  struct ExtendedField
-  {
-    PacketField Field;
-    Box Rest;
-  };
   mutable std::mutex Mutex;
-  PacketField Plain;
-  ExtendedField Extended;
+  PacketField Packets;
+  Box Rest;
+  int Cells = 0;
   std::vector<std::shared_ptr<const BoxImages>> Images; ///< the last one was asked for last
   std::optional<ThirdDerivatives> Third;
 };

@@ -154,3 +154,35 @@ TEST(BSplineField, ZeroAndNaN)
   field.Displacement(glm::dvec3(std::nan("")));
   EXPECT_TRUE(std::isfinite(field.Displacement(glm::dvec3(-1e300, 1e300, 0.0)).x));
 }
+
+TEST(BSplineField, ExtendedLinearly)
+{
+  RandomLattice random(19);
+  for (int run = 0; run < 20; ++run)
+  {
+    const BSplineField field = random.Field(1.0, AllBorders[run % 3]);
+    const int cells = run % 5;
+    const BSplineField extended = ExtendLinearly(field, cells);
+    EXPECT_EQ(extended.GetNodes(), field.GetNodes() + 2 * cells);
+    const glm::dvec3 low = field.GetOrigin() + field.GetSpacing();
+    const glm::dvec3 high =
+      field.GetOrigin() + field.GetSpacing() * glm::dvec3(field.GetNodes() - 2);
+    for (int i = 0; i < 50; ++i)
+    {
+      const glm::dvec3 p = glm::mix(low, high, random.Vector(0.0, 1.0));
+      EXPECT_LT(glm::distance(extended.Displacement(p), field.Displacement(p)), 1e-12);
+      // On a line across each face D is linear, from the outermost control point on.
+      for (int a = 0; a < 3 && cells > 1; ++a)
+      {
+        glm::dvec3 q[3] = { p, p, p };
+        for (int n = 0; n < 3; ++n)
+        {
+          q[n][a] = field.GetOrigin()[a] - field.GetSpacing()[a] * (cells - 1) * 0.5 * n;
+        }
+        const glm::dvec3 second = extended.Displacement(q[0]) - 2.0 * extended.Displacement(q[1]) +
+          extended.Displacement(q[2]);
+        EXPECT_LT(glm::length(second), 1e-9);
+      }
+    }
+  }
+}

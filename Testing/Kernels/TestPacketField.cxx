@@ -78,7 +78,7 @@ TEST(PacketField, LanesNearAndFarFromEachOther)
   {
     const BSplineField field(
       nodes, glm::dvec3(1.0), glm::dvec3(0.5, 1.0, -2.0), displacements.data(), 1.0, border);
-    PacketField packets(field, nullptr);
+    PacketField packets(field);
     const glm::dvec3 center(8.0, 10.0, -20.0);
     packets.SetCenter(center);
     for (int run = 0; run < 200; ++run)

@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -515,6 +516,58 @@ TEST(PullBackBounds, ManyControlPoints)
     EXPECT_NEAR(anew.GetLimits().LargestStretch, stretch, 1e-4 * stretch) << "slice " << k;
     moved.z -= 0.5;
   }
+}
+
+/// Beyond the lattice D goes on linearly as far as T is proven to stay regular.
+TEST(PullBackBounds, LinearCells)
+{
+  RandomLattice random(38);
+  int some = 0;
+  int none = 0;
+  for (int run = 0; run < 24; ++run)
+  {
+    const glm::ivec3 nodes(random.Integer(15, 30), random.Integer(20, 30), random.Integer(15, 30));
+    const glm::dvec3 spacing = random.Vector(0.5, 2.0);
+    const glm::dvec3 waves = random.Vector(0.5, 4.0);
+    const double size = std::pow(10.0, random.Number(-1.0, 1.0));
+    const double noise = run % 4 == 0 ? random.Number(0.0, 0.3) : 0.0;
+    std::vector<glm::dvec3> displacements;
+    for (int n = 0; n < nodes.x * nodes.y * nodes.z; ++n)
+    {
+      const glm::ivec3 i(n % nodes.x, n / nodes.x % nodes.y, n / (nodes.x * nodes.y));
+      const glm::dvec3 at = waves * glm::dvec3(i) / glm::dvec3(nodes);
+      displacements.push_back(
+        size * glm::dvec3(std::sin(at.x + at.z), std::cos(at.y) * at.z, std::sin(at.x * at.y)) +
+        noise * random.Vector(-1.0, 1.0));
+    }
+    const BSplineField field(nodes, glm::dvec3(3.0), spacing, displacements.data());
+    const PullBackLimits limits =
+      PullBackBounds(PullBack(&field, PullBackKind::Exact, 1e-3)).GetLimits();
+    ASSERT_TRUE(limits.OneToOne || limits.LinearCells == 0);
+    some += limits.LinearCells > 0 ? 1 : 0;
+    none += limits.LinearCells == 0 ? 1 : 0;
+    if (limits.LinearCells == 0)
+    {
+      continue;
+    }
+    const BSplineField extended = ExtendLinearly(field, limits.LinearCells);
+    for (int i = 0; i < 20000; ++i)
+    {
+      const glm::dvec3 p = random.Point(extended, 4.0);
+      glm::dmat3 jacobian;
+      const glm::dvec3 displacement = extended.Displacement(p, jacobian);
+      ASSERT_GT(glm::determinant(glm::dmat3(1.0) + jacobian), 0.0) << "run " << run;
+      // Within the lattice nothing has changed.
+      const glm::dvec3 u = (p - field.GetOrigin()) / spacing;
+      if (glm::all(glm::greaterThanEqual(u, glm::dvec3(1.0))) &&
+        glm::all(glm::lessThanEqual(u, glm::dvec3(nodes) - 2.0)))
+      {
+        ASSERT_LT(glm::distance(displacement, field.Displacement(p)), 1e-9);
+      }
+    }
+  }
+  EXPECT_GT(some, 4);
+  EXPECT_GT(none, 2);
 }
 
 TEST(PullBackBounds, EmptyAndNonFiniteInput)

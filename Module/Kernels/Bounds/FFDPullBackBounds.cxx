@@ -117,6 +117,85 @@ double BoundTurnRate(PullBackKind kind, const MatrixRange& jacobian, double seco
   return rate;
 }
 
+/// Largest differences of control points at the faces of a lattice, by axes.
+struct BorderDifferences
+{
+  double Second[3] = {};   ///< along an axis, at the faces across it
+  double Mixed[3][3] = {}; ///< across the faces of the first axis, and along the second one
+  double Third = 0.0;      ///< of those along a second and third axis, or the second one again
+  glm::dvec3 Spacing;
+
+  explicit BorderDifferences(const BSplineField& field)
+    : Spacing(glm::abs(field.GetSpacing()))
+  {
+    for (int a = 0; a < 3; ++a)
+    {
+      for (const bool high : { false, true })
+      {
+        this->Include(field, a, high);
+      }
+    }
+  }
+
+  /// A bound of the norm of the change of the Jacobian up to so many cells beyond a face, or beyond
+  /// an edge or a corner, and to where D is constant.
+  double BoundChange(int cells) const
+  {
+    const double reach = cells + 3;
+    double squared = 0.0;
+    for (int b = 0; b < 3; ++b)
+    {
+      double change = 2.0 * this->Second[b] + (reach + 2.0) * reach * this->Third;
+      for (int a = 0; a < 3; ++a)
+      {
+        change += a == b ? 0.0 : reach * this->Mixed[a][b];
+      }
+      squared += change * change / (this->Spacing[b] * this->Spacing[b]);
+    }
+    return std::sqrt(squared);
+  }
+
+private:
+  void Include(const BSplineField& field, int a, bool high)
+  {
+    const glm::ivec3 nodes = field.GetNodes();
+    const int b = (a + 1) % 3;
+    const int c = (a + 2) % 3;
+    // The difference between the control points `depth` and depth + 1 from the face.
+    const auto across = [&](int depth, int j, int k) {
+      glm::ivec3 outer(0);
+      outer[a] = high ? nodes[a] - 1 - depth : depth;
+      outer[b] = std::min(j, nodes[b] - 1);
+      outer[c] = std::min(k, nodes[c] - 1);
+      glm::ivec3 inner = outer;
+      inner[a] += high ? -1 : 1;
+      return field.Coefficient(inner.x, inner.y, inner.z) -
+        field.Coefficient(outer.x, outer.y, outer.z);
+    };
+    for (int k = 0; k < nodes[c]; ++k)
+    {
+      for (int j = 0; j < nodes[b]; ++j)
+      {
+        const auto keep = [](double& largest, const glm::dvec3& difference) {
+          largest = std::max(largest, glm::length(difference));
+        };
+        keep(this->Second[a], across(1, j, k) - across(0, j, k));
+        for (int depth = 0; depth < 2; ++depth)
+        {
+          const glm::dvec3 d = across(depth, j, k);
+          const glm::dvec3 dj = across(depth, j + 1, k);
+          const glm::dvec3 dk = across(depth, j, k + 1);
+          keep(this->Mixed[a][b], dj - d);
+          keep(this->Mixed[a][c], dk - d);
+          keep(this->Third, across(depth, j + 1, k + 1) - dj - dk + d);
+          keep(this->Third, across(depth, j + 2, k) - 2.0 * dj + d);
+          keep(this->Third, across(depth, j, k + 2) - 2.0 * dk + d);
+        }
+      }
+    }
+  }
+};
+
 /// Range of the control points, and so of D; all there is when one is not a number.
 Box FindHull(const BSplineField& field)
 {
@@ -511,7 +590,58 @@ PullBackLimits PullBackBounds::GetLimits() const
     limits.LargestStretch = !(norm <= limits.LargestStretch) ? (std::isnan(norm) ? Infinity : norm)
                                                              : limits.LargestStretch;
   }
+  limits.LinearCells = this->FindLinearCells();
   return limits;
+}
+
+//------------------------------------------------------------------------------
+/// Beyond the lattice the Jacobian of T is that of a point at its border, in the cells that are
+/// bounded, and a change: T is regular if the change times a bound of the inverse is below one. The
+/// change grows with the distance by the mixed differences of the control points at the border.
+int PullBackBounds::FindLinearCells() const
+{
+  constexpr std::size_t fewControlPoints = 2000;
+  constexpr double most = 0.8;
+  if (this->InverseNorms.empty() || !this->ProvenInvertible)
+  {
+    return 0;
+  }
+  const BSplineField& field = *this->Field;
+  const glm::ivec3 nodes = field.GetNodes();
+  if (field.GetBorder() != BorderMode::Edge || GridSize(nodes) <= fewControlPoints ||
+    std::min({ nodes.x, nodes.y, nodes.z }) < 4)
+  {
+    return 0;
+  }
+  // Of the cells with a control point of the border, or outside of all.
+  double norm = 0.0;
+  const glm::ivec3 first = field.GetFirstCell();
+  const glm::ivec3 end = field.GetEndCell();
+  for (int k = first.z; k < end.z; ++k)
+  {
+    for (int j = first.y; j < end.y; ++j)
+    {
+      const bool inner = k > 1 && k < nodes.z - 3 && j > 1 && j < nodes.y - 3;
+      for (int i = first.x; i < end.x; ++i)
+      {
+        if (inner && i == 2)
+        {
+          i = nodes.x - 3;
+        }
+        norm =
+          std::max(norm, static_cast<double>(this->InverseNorms[this->CellIndex({ i, j, k })]));
+      }
+    }
+  }
+  const BorderDifferences differences(field);
+  for (const int cells : { 16, 12, 8, 6, 4, 3, 2 })
+  {
+    if (norm * differences.BoundChange(cells) < most)
+    {
+      return cells;
+    }
+  }
+  return 0;
 }
 
 //------------------------------------------------------------------------------

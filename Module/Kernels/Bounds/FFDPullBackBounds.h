@@ -24,6 +24,9 @@ struct PullBackLimits
 {
   bool OneToOne = true;        ///< proven: every point of deformed space comes from one point alone
   double LargestStretch = 1.0; ///< of lengths, by T^-1, of the kinds that invert T; may be infinite
+  /// Of the kinds that invert T, if it is one to one: it stays so if D goes on linearly beyond the
+  /// lattice for up to so many cells (ExtendLinearly()). At most 16; 0 for small lattices.
+  int LinearCells = 0;
 };
 
 /**
@@ -84,6 +87,7 @@ private:
   void BoundInverse(
     const CellRange& cells, const ParallelFor& parallelFor, std::vector<float>& norms) const;
   void ProveInvertible(std::vector<float>& norms);
+  int FindLinearCells() const;
   std::size_t CellIndex(const glm::ivec3& cell) const;
   bool TouchesKink(const Box& region) const;
   template <class Reach>

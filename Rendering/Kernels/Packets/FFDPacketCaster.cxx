@@ -182,6 +182,10 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
       {
         HWY_DYNAMIC_DISPATCH(MoveSeeds)(p);
         KeepSeeds(p);
+        if (!p.Folds)
+        {
+          p.Field.AllowLongSteps();
+        }
       }
       const Box& whole = GetWholeDeformed(scene);
       HWY_DYNAMIC_DISPATCH(ChooseRootSide)(0.25 * (whole.Max - whole.Min), p);

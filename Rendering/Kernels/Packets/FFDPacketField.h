@@ -5,7 +5,6 @@
 
 #include "Bounds/FFDPullBackBounds.h"
 #include "FFDBSplineField.h"
-#include "FFDSplineGrid.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -44,7 +43,7 @@ public:
   /// Whether that holds everywhere: there is no kink where the lattice ends.
   bool Smooth = true;
   /// Length that steps of Newton's method are limited to: the longest edge of a cell of the
-  /// lattice.
+  /// lattice, or more, see AllowLongSteps().
   float LongestStep = 0.0f;
   /// Rounding errors of T, of which the inverse makes up to LargestRounding of a rest position.
   float Rounding = 0.0f;
@@ -52,39 +51,40 @@ public:
 
   PacketField() = default;
 
-  /**
-   * Takes a copy, relative to the origin of the data. `rest`, if not null: the volume at rest,
-   * outside of which nobody needs D as it is. If the deformation is a lattice alone, D goes on
-   * linearly outside of the lattice for some cells and is constant from there. So T stays smooth,
-   * and one to one if the lattice turns the volume by large angles; it would not with a D that is
-   * constant at once.
-   * T^-1 is the same wherever it leads into the volume.
-   */
-  PacketField(const BSplineField& field, const Box* rest)
-    : Smooth(field.GetBorder() != BorderMode::ZeroAtBorder)
+  /// Takes a copy, relative to the origin of the data.
+  explicit PacketField(const BSplineField& field)
+    : FirstOffset(BSplineField::Padding - 1)
+    , StrideY(field.GetPaddedNodes().x)
+    , StrideZ(field.GetPaddedNodes().y)
+    , SecondDerivative(static_cast<float>(FindSecondDerivative(field)))
+    , Smooth(field.GetBorder() != BorderMode::ZeroAtBorder)
     , Corner(field.GetOrigin())
   {
     this->SetCenter(glm::dvec3(0.0));
+    const glm::dvec3 h = glm::abs(field.GetSpacing());
+    this->LongestStep = static_cast<float>(std::max({ h.x, h.y, h.z }));
+    this->SetLongStep(field);
     for (int a = 0; a < 3; ++a)
     {
       this->InverseSpacing[a] = static_cast<float>(1.0 / field.GetSpacing()[a]);
       this->ClampMin[a] = static_cast<float>(field.GetFirstCell()[a]);
       this->ClampMax[a] = static_cast<float>(field.GetEndCell()[a]);
     }
-    if (rest && CanExtend(field, *rest))
-    {
-      this->Extend(field);
-    }
-    else
-    {
-      this->StrideY = field.GetPaddedNodes().x;
-      this->StrideZ = field.GetPaddedNodes().y;
-      this->FirstOffset = BSplineField::Padding - 1;
-      this->Copy(field.GetCoefficients());
-    }
-    this->SecondDerivative = static_cast<float>(FindSecondDerivative(field));
-    const glm::dvec3 h = glm::abs(field.GetSpacing());
-    this->LongestStep = static_cast<float>(std::max({ h.x, h.y, h.z }));
+    this->Copy(field.GetCoefficients());
+  }
+
+  /**
+   * Takes a copy of a field that is a lattice around `rest`, the volume at rest, outside of which
+   * nobody needs D as it is: D goes on linearly there for `cells` cells, see ExtendLinearly(). So
+   * T^-1 stays smooth along rays that leave the volume, and T one to one if the lattice turns the
+   * volume by large angles; it would not with a D that is constant at once. T^-1 is the same
+   * wherever it leads into the volume. Of another field it takes a copy as it is.
+   */
+  PacketField(const BSplineField& field, const Box& rest, int cells)
+    : PacketField(
+        cells > 0 && CanExtend(field, rest) ? ExtendLinearly(field, cells) : BSplineField(field))
+  {
+    this->SetLongStep(field);
   }
 
   /// Makes coordinates relative to a point.
@@ -104,9 +104,20 @@ public:
     return this->Coefficients ? this->Coefficients->capacity() * sizeof(float) : 0;
   }
 
+  /// Lets steps of Newton's method be as long as those of a lattice of few control points, where T
+  /// does not fold: they may be far shorter than what the cells of many control points are for.
+  void AllowLongSteps() { this->LongestStep = this->LongStep; }
+
 private:
-  static constexpr int Extension = 4; ///< cells in which D goes on linearly
-  static constexpr int ExtendedPadding = Extension + 3;
+  /// Of the longest steps in the lattice.
+  static constexpr double LongStepsAcross = 8.0;
+
+  void SetLongStep(const BSplineField& field)
+  {
+    const glm::dvec3 part = glm::abs(field.GetSpacing()) * glm::dvec3(field.GetNodes() - 1);
+    const double longest = std::max({ part.x, part.y, part.z }) / LongStepsAcross;
+    this->LongStep = std::max(this->LongestStep, static_cast<float>(longest));
+  }
 
   void Copy(const std::vector<glm::dvec3>& coefficients)
   {
@@ -139,54 +150,6 @@ private:
       }
     }
     return true;
-  }
-
-  void Extend(const BSplineField& field)
-  {
-    const glm::ivec3 nodes = field.GetNodes();
-    Grid<glm::dvec3> c(nodes);
-    for (int k = 0; k < nodes.z; ++k)
-    {
-      for (int j = 0; j < nodes.y; ++j)
-      {
-        for (int i = 0; i < nodes.x; ++i)
-        {
-          c.At(i, j, k) = field.Coefficient(i, j, k);
-        }
-      }
-    }
-    for (int a = 0; a < 3; ++a)
-    {
-      const int last = nodes[a] - 1;
-      std::vector<std::array<double, 4>> weights;
-      std::vector<int> firsts;
-      for (int i = -ExtendedPadding; i <= last + ExtendedPadding; ++i)
-      {
-        const int node = std::clamp(i, 0, last);
-        const int first = std::min(node, last - 3);
-        const double out = std::min(std::abs(i - node), Extension);
-        std::array<double, 4> w{};
-        w[static_cast<std::size_t>(node - first)] = 1.0 + out;
-        if (i != node)
-        {
-          // The node beside it.
-          w[i < 0 ? 1 : 2] = -out;
-        }
-        weights.push_back(w);
-        firsts.push_back(first);
-      }
-      c = SumAlong(c, a, weights, firsts);
-    }
-    this->StrideY = c.Size.x;
-    this->StrideZ = c.Size.y;
-    this->FirstOffset = ExtendedPadding - 1;
-    this->Smooth = true;
-    for (int a = 0; a < 3; ++a)
-    {
-      this->ClampMin[a] = static_cast<float>(-Extension - 2);
-      this->ClampMax[a] = static_cast<float>(nodes[a] + Extension);
-    }
-    this->Copy(c.Values);
   }
 
   /// The second derivatives are convex combinations of second differences of control points.
@@ -226,6 +189,7 @@ private:
     return std::sqrt(sum);
   }
 
+  float LongStep = 0.0f;
   glm::dvec3 Corner{ 0.0 }; ///< the first control point, data coordinates
   float LargestCoefficient = 0.0f;
 };

@@ -24,6 +24,18 @@ namespace
 /// Length of the parts of a segment that are tested for emptiness, voxels.
 constexpr double PartLength = 2.0;
 
+/// How far D goes on linearly beyond a lattice that is one to one, voxels, and for how many cells
+/// beyond others.
+constexpr double LinearReach = 64.0;
+constexpr int CellsOfUnknown = 4;
+
+/// Cells of a field that reach as far along each axis, data units.
+int FindCellsOfReach(const BSplineField& field, double reach)
+{
+  const glm::dvec3 h = glm::abs(field.GetSpacing());
+  return static_cast<int>(std::min(std::ceil(reach / std::min({ h.x, h.y, h.z })), 1e6));
+}
+
 /// Tolerance of nodes, as a part of that of positions.
 constexpr double NodeTolerance = 0.1;
 
@@ -396,12 +408,19 @@ void SetPullBack(PacketScene& p)
   }
   const Box rest = FindRestBox(scene.Volume, scene.WholeAtRest);
   const Box restBounds = FindBounds(scene.Volume, rest);
-  // Only where T is not known to be one to one: what goes on linearly may fold where D as it is
-  // does not, and lead Newton's method out of the volume.
-  const bool extended = InvertsTheField(p.Kind) && !scene.Limits.OneToOne;
+  // What goes on linearly may fold where D as it is does not, and lead Newton's method out of the
+  // volume: where T is known to be one to one, it must stay so.
+  int cells = 0;
+  if (InvertsTheField(p.Kind))
+  {
+    const double reach = LinearReach * scene.VoxelSize;
+    cells = scene.Limits.OneToOne
+      ? std::min(scene.Limits.LinearCells, FindCellsOfReach(*scene.Map->GetField(), reach))
+      : CellsOfUnknown;
+  }
   FieldCache own;
   FieldCache& cache = scene.KeptOfField ? *scene.KeptOfField : own;
-  p.Field = cache.FindPacketField(*scene.Map->GetField(), extended ? &restBounds : nullptr);
+  p.Field = cache.FindPacketField(*scene.Map->GetField(), restBounds, cells);
   p.Field.SetCenter(p.Center);
   if (InvertsTheField(p.Kind))
   {
