@@ -149,17 +149,41 @@ public:
   /// Random displacements of a 7^3 lattice over the volume, smoothed; `size` in data units.
   void SetDeformation(double size, PullBackKind kind)
   {
-    const VolumeView& v = this->Scene.Volume;
-    const glm::dvec3 extent = v.IndexToData * v.UpperIndex();
-    const glm::ivec3 nodes(7);
     std::vector<glm::dvec3> displacements(343);
     std::uniform_real_distribution<double> uniform(-size, size);
     for (glm::dvec3& d : displacements)
     {
       d = glm::dvec3(uniform(this->Random), uniform(this->Random), uniform(this->Random));
     }
-    const glm::dvec3 spacing = extent / 4.0;
-    this->Field = BSplineField(nodes, v.FirstVoxel - spacing, spacing, displacements.data());
+    this->SetLattice(7, displacements, kind);
+  }
+
+  /// Smooth displacements of a lattice of nodes^3 control points over the volume, not zero at its
+  /// faces, and random ones.
+  void SetFineDeformation(int nodes, double size, double noise, PullBackKind kind)
+  {
+    std::vector<glm::dvec3> displacements;
+    std::uniform_real_distribution<double> uniform(-noise, noise);
+    for (int n = 0; n < nodes * nodes * nodes; ++n)
+    {
+      const glm::dvec3 at =
+        glm::dvec3(n % nodes, n / nodes % nodes, n / (nodes * nodes)) / double(nodes - 1);
+      displacements.push_back(size *
+          glm::dvec3(
+            std::sin(2.0 * at.x + 3.0 * at.z), std::cos(2.0 * at.y), std::sin(at.x - at.y)) +
+        glm::dvec3(uniform(this->Random), uniform(this->Random), uniform(this->Random)));
+    }
+    this->SetLattice(nodes, displacements, kind);
+  }
+
+  /// The second control points from the border lie at the faces of the volume.
+  void SetLattice(int nodes, const std::vector<glm::dvec3>& displacements, PullBackKind kind)
+  {
+    const VolumeView& v = this->Scene.Volume;
+    const glm::dvec3 extent = v.IndexToData * v.UpperIndex();
+    const glm::dvec3 spacing = extent / double(nodes - 3);
+    this->Field =
+      BSplineField(glm::ivec3(nodes), v.FirstVoxel - spacing, spacing, displacements.data());
     this->Map = PullBack(&this->Field, kind, 0.005);
     const PullBackBounds mapBounds(this->Map);
     const Box rest{ v.FirstVoxel, v.FirstVoxel + extent };
@@ -382,6 +406,31 @@ TEST(PacketCaster, AllPullBacksAndCameras)
         scene.SetDeformation(size, kind);
         scene.SetCamera(perspective, 64, 64);
         ExpectSamePicture(scene);
+      }
+    }
+  }
+}
+
+/// Lanes lie in cells far from each other; D goes on linearly beyond the lattice, or not.
+TEST(PacketCaster, ManyControlPoints)
+{
+  for (const PullBackKind kind :
+    { PullBackKind::FirstOrder, PullBackKind::Exact, PullBackKind::Forward })
+  {
+    for (const double noise : { 0.0, 0.15 })
+    {
+      for (const double leastVisible : { 20.0, -60.0 }) // the second one: at faces, too
+      {
+        SCOPED_TRACE("kind " + std::to_string(static_cast<int>(kind)) + ", noise " +
+          std::to_string(noise) + ", visible from " + std::to_string(leastVisible));
+        TestScene scene(ScalarType::UInt8, 5);
+        scene.SetLeastVisible(leastVisible);
+        scene.SetFineDeformation(35, 1.5, noise, kind);
+        const bool extended = scene.Scene.Limits.LinearCells > 0;
+        EXPECT_EQ(extended, kind == PullBackKind::Exact && noise == 0.0);
+        scene.SetCamera(true, 64, 64);
+        // A sample at a face may be in the volume in one picture alone.
+        ExpectSamePicture(scene, leastVisible < 0.0 ? 160.0 : 6.0);
       }
     }
   }
