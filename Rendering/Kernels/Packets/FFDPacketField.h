@@ -53,24 +53,8 @@ public:
 
   /// Takes a copy, relative to the origin of the data.
   explicit PacketField(const BSplineField& field)
-    : FirstOffset(BSplineField::Padding - 1)
-    , StrideY(field.GetPaddedNodes().x)
-    , StrideZ(field.GetPaddedNodes().y)
-    , SecondDerivative(static_cast<float>(FindSecondDerivative(field)))
-    , Smooth(field.GetBorder() != BorderMode::ZeroAtBorder)
-    , Corner(field.GetOrigin())
+    : PacketField(field, field)
   {
-    this->SetCenter(glm::dvec3(0.0));
-    const glm::dvec3 h = glm::abs(field.GetSpacing());
-    this->LongestStep = static_cast<float>(std::max({ h.x, h.y, h.z }));
-    this->SetLongStep(field);
-    for (int a = 0; a < 3; ++a)
-    {
-      this->InverseSpacing[a] = static_cast<float>(1.0 / field.GetSpacing()[a]);
-      this->ClampMin[a] = static_cast<float>(field.GetFirstCell()[a]);
-      this->ClampMax[a] = static_cast<float>(field.GetEndCell()[a]);
-    }
-    this->Copy(field.GetCoefficients());
   }
 
   /**
@@ -81,10 +65,8 @@ public:
    * wherever it leads into the volume. Of another field it takes a copy as it is.
    */
   PacketField(const BSplineField& field, const Box& rest, int cells)
-    : PacketField(
-        cells > 0 && CanExtend(field, rest) ? ExtendLinearly(field, cells) : BSplineField(field))
+    : PacketField(field, cells > 0 && CanExtend(field, rest) ? ExtendLinearly(field, cells) : field)
   {
-    this->SetLongStep(field);
   }
 
   /// Makes coordinates relative to a point.
@@ -112,11 +94,28 @@ private:
   /// Of the longest steps in the lattice.
   static constexpr double LongStepsAcross = 8.0;
 
-  void SetLongStep(const BSplineField& field)
+  /// Takes the control points of `extended`, which is `field` or that with more around it.
+  PacketField(const BSplineField& field, const BSplineField& extended)
+    : FirstOffset(BSplineField::Padding - 1)
+    , StrideY(extended.GetPaddedNodes().x)
+    , StrideZ(extended.GetPaddedNodes().y)
+    , SecondDerivative(static_cast<float>(FindSecondDerivative(field)))
+    , Smooth(extended.GetBorder() != BorderMode::ZeroAtBorder)
+    , Corner(extended.GetOrigin())
   {
-    const glm::dvec3 part = glm::abs(field.GetSpacing()) * glm::dvec3(field.GetNodes() - 1);
-    const double longest = std::max({ part.x, part.y, part.z }) / LongStepsAcross;
-    this->LongStep = std::max(this->LongestStep, static_cast<float>(longest));
+    this->SetCenter(glm::dvec3(0.0));
+    const glm::dvec3 h = glm::abs(field.GetSpacing());
+    const glm::dvec3 part = h * glm::dvec3(field.GetNodes() - 1) / LongStepsAcross;
+    this->LongestStep = static_cast<float>(std::max({ h.x, h.y, h.z }));
+    this->LongStep =
+      std::max(this->LongestStep, static_cast<float>(std::max({ part.x, part.y, part.z })));
+    for (int a = 0; a < 3; ++a)
+    {
+      this->InverseSpacing[a] = static_cast<float>(1.0 / field.GetSpacing()[a]);
+      this->ClampMin[a] = static_cast<float>(extended.GetFirstCell()[a]);
+      this->ClampMax[a] = static_cast<float>(extended.GetEndCell()[a]);
+    }
+    this->Copy(extended.GetCoefficients());
   }
 
   void Copy(const std::vector<glm::dvec3>& coefficients)
