@@ -26,11 +26,27 @@ namespace
 
 /// Points a side of the grid that probes where a foreign transform moves the volume.
 constexpr int ProbesPerSide = 9;
-/// Margin that is added to the region on each side, as a fraction of its size.
+/// Margin around where a transform moves the volume, as a fraction of its size along each axis.
 constexpr double RegionMargin = 0.1;
+/// Margin around a volume where what happens in it alone matters, as a fraction of its longest
+/// edge: positions that T^-1 is interpolated between lie there.
+constexpr double MarginAtRest = 0.15;
 
-/// The box over which a lattice stands for a transform, also where it moves an image to.
-ffd::Box FindFitRegion(vtkAbstractTransform* transform, const std::array<double, 6>& bounds)
+ffd::Box Widen(const vtkBoundingBox& box, const std::array<double, 3>& margin)
+{
+  ffd::Box wider;
+  for (int a = 0; a < 3; ++a)
+  {
+    wider.Min[a] = box.GetBound(2 * a) - margin[a];
+    wider.Max[a] = box.GetBound(2 * a + 1) + margin[a];
+  }
+  ffd::WidenFlatAxes(wider);
+  return wider;
+}
+
+/// The box over which a lattice stands for a transform and its inverse, also where they move an
+/// image to.
+ffd::Box FindMovedRegion(vtkAbstractTransform* transform, const std::array<double, 6>& bounds)
 {
   vtkBoundingBox box(bounds.data());
   vtkAbstractTransform* const directions[2] = { transform, transform->GetInverse() };
@@ -52,15 +68,9 @@ ffd::Box FindFitRegion(vtkAbstractTransform* transform, const std::array<double,
       }
     }
   }
-  ffd::Box region;
-  for (int a = 0; a < 3; ++a)
-  {
-    const double margin = RegionMargin * box.GetLength(a);
-    region.Min[a] = box.GetBound(2 * a) - margin;
-    region.Max[a] = box.GetBound(2 * a + 1) + margin;
-  }
-  ffd::WidenFlatAxes(region);
-  return region;
+  return Widen(box,
+    { RegionMargin * box.GetLength(0), RegionMargin * box.GetLength(1),
+      RegionMargin * box.GetLength(2) });
 }
 
 /// Fits a lattice to a transform as asked for; `error`: the largest one, data units.
@@ -69,14 +79,16 @@ ffd::FitStatus FitLattice(vtkAbstractTransform* transform, const ffd::FitRequest
 {
   using ffd::FitStatus;
   const ffd::DisplacementSampler sample = vtkFFDMakeTransformSampler(transform);
-  const ffd::Box region = FindFitRegion(transform, request.Bounds);
   ffd::FitLimits limits;
   limits.Tolerance = request.Tolerance;
   const int mostCells = limits.MaximumCells;
   if (!request.AtRest)
   {
-    return lattice.Fit(region, sample, limits, error);
+    return lattice.Fit(FindMovedRegion(transform, request.Bounds), sample, limits, error);
   }
+  const vtkBoundingBox bounds(request.Bounds.data());
+  const double margin = MarginAtRest * bounds.GetMaxLength();
+  const ffd::Box region = Widen(bounds, { margin, margin, margin });
   // Frames take least where T goes on smoothly beyond the image. But a transform may end where the
   // image does, as one that is given on its points: then it is best to know nothing beyond.
   limits.MaximumCells = mostCells / 4;
@@ -85,9 +97,7 @@ ffd::FitStatus FitLattice(vtkAbstractTransform* transform, const ffd::FitRequest
   {
     return status;
   }
-  const std::array<double, 6>& b = request.Bounds;
-  ffd::Box image{ { b[0], b[2], b[4] }, { b[1], b[3], b[5] } };
-  ffd::WidenFlatAxes(image);
+  const ffd::Box image = Widen(bounds, {});
   ffd::Lattice inside;
   double errorInside = 0.0;
   const int tried = limits.MaximumCells;

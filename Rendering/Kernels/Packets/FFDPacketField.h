@@ -29,7 +29,7 @@ class PacketField
 {
 public:
   /// From a cell number to the first of its four control points on an axis.
-  int FirstOffset = BSplineField::Padding - 1;
+  static constexpr int FirstOffset = BSplineField::Padding - 1;
   float Origin[3] = {};
   float InverseSpacing[3] = {};
   float ClampMin[3] = {};
@@ -96,8 +96,7 @@ private:
 
   /// Takes the control points of `extended`, which is `field` or that with more around it.
   PacketField(const BSplineField& field, const BSplineField& extended)
-    : FirstOffset(BSplineField::Padding - 1)
-    , StrideY(extended.GetPaddedNodes().x)
+    : StrideY(extended.GetPaddedNodes().x)
     , StrideZ(extended.GetPaddedNodes().y)
     , SecondDerivative(static_cast<float>(FindSecondDerivative(field)))
     , Smooth(extended.GetBorder() != BorderMode::ZeroAtBorder)
