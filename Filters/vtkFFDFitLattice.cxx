@@ -473,7 +473,8 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   }
   else
   {
-    status = ffd::FitNetToFunction(vtkFFDMakeTransformSampler(this->Transform), limits, fit);
+    status = ffd::FitNetToFunction(
+      vtkFFDMakeTransformSampler(this->Transform, limits.Parallel), limits, fit);
   }
   if (status == ffd::FitStatus::Stopped)
   {

@@ -75,10 +75,10 @@ ffd::Box FindMovedRegion(vtkAbstractTransform* transform, const std::array<doubl
 
 /// Fits a lattice to a transform as asked for; `error`: the largest one, data units.
 ffd::FitStatus FitLattice(vtkAbstractTransform* transform, const ffd::FitRequest& request,
-  ffd::Lattice& lattice, double& error)
+  const ffd::ParallelFor& parallelFor, ffd::Lattice& lattice, double& error)
 {
   using ffd::FitStatus;
-  const ffd::DisplacementSampler sample = vtkFFDMakeTransformSampler(transform);
+  const ffd::DisplacementSampler sample = vtkFFDMakeTransformSampler(transform, parallelFor);
   ffd::FitLimits limits;
   limits.Tolerance = request.Tolerance;
   const int mostCells = limits.MaximumCells;
@@ -151,7 +151,8 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
   {
     const std::string name = source.Object->GetClassName();
     Lattice lattice;
-    const bool finite = FitLattice(source.Object, *fit, lattice, error) != FitStatus::NotFinite;
+    const bool finite =
+      FitLattice(source.Object, *fit, tools.Parallel, lattice, error) != FitStatus::NotFinite;
     reason = finite ? lattice.FindProblem() : "it gives points that are not finite";
     if (!reason.empty())
     {

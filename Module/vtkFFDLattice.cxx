@@ -4,6 +4,7 @@
 
 #include "vtkFFDGuard.h"
 #include "vtkFFDLatticeData.h"
+#include "vtkFFDParallelFor.h"
 #include "vtkFFDPipeline.h"
 #include "vtkFFDTransformSampler.h"
 
@@ -611,7 +612,7 @@ double vtkFFDLattice::FitToTransform(
     ffd::Lattice value;
     double error = 0.0;
     const ffd::FitStatus status =
-      value.Fit(domain, vtkFFDMakeTransformSampler(transform), limits, error);
+      value.Fit(domain, vtkFFDMakeTransformSampler(transform, vtkFFDParallelFor()), limits, error);
     const std::string problem = status == ffd::FitStatus::NotFinite
       ? "the transform gives points that are not finite"
       : value.FindProblem();

@@ -4,52 +4,73 @@
 
 #include "FFDGridIndex.h"
 
-#include "vtkFFDLatticeData.h"
-
 #include "vtkAbstractTransform.h"
-#include "vtkDoubleArray.h"
-#include "vtkNew.h"
-#include "vtkPoints.h"
+#include "vtkGeneralTransform.h"
+#include "vtkHomogeneousTransform.h"
 #include "vtkSmartPointer.h"
+#include "vtkWarpTransform.h"
 
+#include <atomic>
 #include <cmath>
+#include <cstddef>
+
+namespace
+{
+
+/// Whether threads may transform points at the same time: VTK's filters do so with any transform,
+/// but messages, and what observes them, belong to the thread that runs the program.
+bool IsWithoutMessages(vtkAbstractTransform* transform)
+{
+  if (vtkGeneralTransform* const general = vtkGeneralTransform::SafeDownCast(transform))
+  {
+    for (int i = 0; i < general->GetNumberOfConcatenatedTransforms(); ++i)
+    {
+      if (!IsWithoutMessages(general->GetConcatenatedTransform(i)))
+      {
+        return false;
+      }
+    }
+    return true;
+  }
+  vtkWarpTransform* const warp = vtkWarpTransform::SafeDownCast(transform);
+  return warp ? warp->GetInverseFlag() == 0
+              : vtkHomogeneousTransform::SafeDownCast(transform) != nullptr;
+}
+
+} // namespace
 
 //------------------------------------------------------------------------------
-ffd::DisplacementSampler vtkFFDMakeTransformSampler(vtkAbstractTransform* transform)
+ffd::DisplacementSampler vtkFFDMakeTransformSampler(
+  vtkAbstractTransform* transform, const ffd::ParallelFor& parallelFor)
 {
   // Observers of the progress of a fit may let go of the transform.
   const vtkSmartPointer<vtkAbstractTransform> keep(transform);
-  return [keep](const glm::ivec3& count, const glm::dvec3& first, const glm::dvec3& step,
-           std::vector<glm::dvec3>& displacements) {
-    std::vector<glm::dvec3> positions;
-    positions.reserve(ffd::GridSize(count));
-    for (int k = 0; k < count.z; ++k)
-    {
-      for (int j = 0; j < count.y; ++j)
+  return [keep, parallelFor](const glm::ivec3& count, const glm::dvec3& first,
+           const glm::dvec3& step, std::vector<glm::dvec3>& displacements) {
+    keep->Update();
+    displacements.resize(ffd::GridSize(count));
+    const std::size_t perRow = static_cast<std::size_t>(count.x);
+    const std::size_t rows = displacements.size() / perRow;
+    std::atomic<bool> finite{ true };
+    const auto sampleRows = [&](std::size_t from, std::size_t to) {
+      for (std::size_t row = from; row < to; ++row)
       {
+        const int j = static_cast<int>(row) % count.y;
+        const int k = static_cast<int>(row) / count.y;
         for (int i = 0; i < count.x; ++i)
         {
-          positions.push_back(first + glm::dvec3(i, j, k) * step);
+          const glm::dvec3 position = first + glm::dvec3(i, j, k) * step;
+          glm::dvec3 moved;
+          keep->InternalTransformPoint(&position.x, &moved.x);
+          if (!(std::isfinite(moved.x) && std::isfinite(moved.y) && std::isfinite(moved.z)))
+          {
+            finite = false;
+          }
+          displacements[row * perRow + static_cast<std::size_t>(i)] = moved - position;
         }
       }
-    }
-    // VTK reads the positions where they lie.
-    vtkNew<vtkDoubleArray> array;
-    array->SetNumberOfComponents(3);
-    array->SetArray(&positions[0].x, 3 * static_cast<vtkIdType>(positions.size()), 1);
-    vtkNew<vtkPoints> in;
-    vtkNew<vtkPoints> out;
-    in->SetData(array);
-    out->SetDataTypeToDouble();
-    keep->TransformPoints(in, out);
-    displacements = vtkFFDCopyTuples(out->GetData());
-    bool finite = true;
-    for (std::size_t i = 0; i < positions.size(); ++i)
-    {
-      const glm::dvec3& to = displacements[i];
-      finite = finite && std::isfinite(to.x) && std::isfinite(to.y) && std::isfinite(to.z);
-      displacements[i] -= positions[i];
-    }
-    return finite;
+    };
+    (IsWithoutMessages(keep) ? parallelFor : ffd::ParallelFor())(rows, sampleRows);
+    return finite.load();
   };
 }

@@ -12,9 +12,11 @@ class vtkAbstractTransform;
 
 /**
  * Samples the displacements of a transform for the fits of ffd::FitNetToFunction() and
- * ffd::Lattice::Fit(). Each call updates the transform, which the sampler keeps alive.
+ * ffd::Lattice::Fit(). Each call updates the transform, which the sampler keeps alive. Threads of
+ * `parallelFor` share the work where no message can come of it: only inverses have some, of points
+ * at which they do not converge.
  */
 VTKFFDCORE_EXPORT ffd::DisplacementSampler vtkFFDMakeTransformSampler(
-  vtkAbstractTransform* transform);
+  vtkAbstractTransform* transform, const ffd::ParallelFor& parallelFor);
 
 #endif

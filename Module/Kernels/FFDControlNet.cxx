@@ -354,4 +354,31 @@ ControlNet InterpolateControlNet(const ControlNet& samples)
   return result;
 }
 
+//------------------------------------------------------------------------------
+ControlNet SampleControlNet(const ControlNet& net, const glm::bvec3& centers)
+{
+  ControlNet result = net;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    double weights[4];
+    BSplineWeights(centers[axis] ? 0.5 : 0.0, weights);
+    const int size = result.Nodes[axis] - (centers[axis] ? 3 : 2);
+    // Of the last sample at a control point, the fourth weight would be that of one beyond the net.
+    const int count = centers[axis] ? 4 : 3;
+    result = MapLines(
+      result, axis, size, [&](const std::vector<glm::dvec3>& in, std::vector<glm::dvec3>& out) {
+        for (std::size_t i = 0; i < out.size(); ++i)
+        {
+          glm::dvec3 sum(0.0);
+          for (int j = 0; j < count; ++j)
+          {
+            sum += weights[j] * in[i + static_cast<std::size_t>(j)];
+          }
+          out[i] = sum;
+        }
+      });
+  }
+  return result;
+}
+
 } // namespace ffd

@@ -53,6 +53,12 @@ FFD_CORE_EXPORT ControlNet ResizeControlNet(const ControlNet& net, const glm::iv
  */
 FFD_CORE_EXPORT ControlNet InterpolateControlNet(const ControlNet& samples);
 
+/**
+ * Samples of the spline of a net with n >= 4 control points per axis: along an axis either at the
+ * inner control points 1 ... n - 2, or, where `centers` says so, halfway between them.
+ */
+FFD_CORE_EXPORT ControlNet SampleControlNet(const ControlNet& net, const glm::bvec3& centers);
+
 } // namespace ffd
 
 #endif

@@ -95,7 +95,6 @@ FitStatus FitNetToFunction(
       return FitStatus::NotFinite;
     }
     fit.Net = InterpolateControlNet(samples);
-    const BSplineField field = FieldOf(fit);
 
     // Centers of the edges along each axis, which tell the axis to refine, and of the cells.
     double perAxis[3] = { 0.0, 0.0, 0.0 };
@@ -104,37 +103,22 @@ FitStatus FitNetToFunction(
     fit.LargestError = 0.0;
     for (int test = 0; test < 4; ++test)
     {
-      glm::dvec3 first = fit.Lower;
-      glm::ivec3 count = fit.Cells + 1;
-      for (int a = 0; a < 3; ++a)
-      {
-        if (test == a || test == 3)
-        {
-          first[a] += 0.5 * step[a];
-          --count[a];
-        }
-      }
+      const bool cells = test == 3;
+      const glm::bvec3 centers(test == 0 || cells, test == 1 || cells, test == 2 || cells);
+      const ControlNet found = SampleControlNet(fit.Net, centers);
       std::vector<glm::dvec3> wanted;
-      if (!sample(count, first, step, wanted))
+      if (!sample(found.Nodes, fit.Lower + 0.5 * glm::dvec3(centers) * step, step, wanted))
       {
         return FitStatus::NotFinite;
       }
       double largest = 0.0;
-      std::size_t id = 0;
-      for (int k = 0; k < count.z; ++k)
+      for (std::size_t id = 0; id < wanted.size(); ++id)
       {
-        for (int j = 0; j < count.y; ++j)
-        {
-          for (int i = 0; i < count.x; ++i)
-          {
-            const glm::dvec3 d =
-              field.Displacement(first + glm::dvec3(i, j, k) * step) - wanted[id++];
-            largest = std::max(largest, Dot(d, d));
-            squares += Dot(d, d);
-          }
-        }
+        const glm::dvec3 d = found.Values[id] - wanted[id];
+        largest = std::max(largest, Dot(d, d));
+        squares += Dot(d, d);
       }
-      tests += id;
+      tests += wanted.size();
       fit.LargestError = std::max(fit.LargestError, std::sqrt(largest));
       if (test < 3)
       {

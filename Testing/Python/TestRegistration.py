@@ -5,13 +5,16 @@ control points."""
 
 import resource
 import sys
+import threading
 import unittest
 
 import numpy as np
 import vtkffd
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (the window's implementation)
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkCommonTransforms import vtkGeneralTransform, vtkThinPlateSplineTransform
 from vtkmodules.vtkFiltersHybrid import vtkBSplineTransform, vtkGridTransform
 from vtkmodules.vtkImagingCore import vtkImageBSplineCoefficients
 from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkRenderWindow,
@@ -49,6 +52,12 @@ def make_spline(nodes):
     spline = vtkBSplineTransform()
     spline.SetCoefficientData(coefficients.GetOutput())
     return spline
+
+
+def make_general(transform):
+    general = vtkGeneralTransform()
+    general.Concatenate(transform)
+    return general
 
 
 class Scene:
@@ -120,10 +129,36 @@ class TestRegistration(unittest.TestCase):
         grid.SetInterpolationModeToCubic()
         messages = []
         for transform in (grid, grid.GetInverse()):
-            transform.AddObserver("WarningEvent", lambda *_: messages.append(1))
+            transform.AddObserver("WarningEvent",
+                                  lambda *_: messages.append(threading.current_thread()))
         scene = Scene(grid)
         self.assertGreater(np.ptp(scene.render()), 50)
         self.assertEqual(messages, [])
+        # Where its inverse is asked for, its messages come from the thread that runs the program.
+        for inverse in (grid.GetInverse(), make_general(grid.GetInverse())):
+            vtkffd.vtkFFDLattice().FitToTransform(inverse, 3 * [0, SIDE - 1], 1, 4)
+            self.assertEqual(set(messages), {threading.main_thread()})
+            messages.clear()
+
+    def test_threads_sample_transforms_as_one_does(self):
+        rng = np.random.default_rng(4)
+        spline = vtkThinPlateSplineTransform()
+        places = rng.uniform(0, SIDE, (12, 3))
+        for name, points in (("Source", places), ("Target", places + rng.normal(size=(12, 3)))):
+            landmarks = vtkPoints()
+            landmarks.SetData(numpy_to_vtk(points, 1))
+            getattr(spline, "Set%sLandmarks" % name)(landmarks)
+        spline.SetBasisToR2LogR()
+        for deformation in (spline, make_general(spline), spline.GetInverse()):
+            pictures = []
+            for threads in (1, 3):
+                scene = Scene(deformation)
+                scene.mapper.SetNumberOfThreads(threads)
+                scene.mapper.SetPositionTolerance(.5)
+                pictures.append(scene.render())
+            np.testing.assert_array_equal(*pictures)
+            straight = Scene(None)
+            self.assertGreater(np.abs(pictures[0] - straight.render()).mean(), .5)
 
     def test_modes_that_look_beyond_the_image_have_fields_of_their_own(self):
         grid = vtkGridTransform()
