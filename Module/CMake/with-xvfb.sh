@@ -26,7 +26,7 @@ cleanup() {
     kill "$server" 2>/dev/null || true
     wait "$server" 2>/dev/null || true
   fi
-  rm -rf "$scratch"
+  rm -rf "$scratch" || true
 }
 trap cleanup EXIT
 trap 'exit 130' INT
@@ -44,7 +44,9 @@ if ! [ -s "$scratch/display" ]; then
   exit 1
 fi
 
+# Open MPI keeps folders named by a number of 15 bits, and those of processes that were killed remain:
+# here they are those of one command, and go with it.
 status=0
-env -u WAYLAND_DISPLAY -u XAUTHORITY \
+env -u WAYLAND_DISPLAY -u XAUTHORITY OMPI_MCA_orte_tmpdir_base="$scratch" \
   DISPLAY=":$(tr -d '[:space:]' <"$scratch/display")" LIBGL_ALWAYS_SOFTWARE=1 "$@" || status=$?
 exit "$status"
