@@ -32,16 +32,17 @@ constexpr double RegionMargin = 0.1;
 /// edge: positions that T^-1 is interpolated between lie there.
 constexpr double MarginAtRest = 0.15;
 
-ffd::Box Widen(const vtkBoundingBox& box, const std::array<double, 3>& margin)
+/// The box to fit a lattice over.
+ffd::Box MakeRegion(const vtkBoundingBox& box)
 {
-  ffd::Box wider;
+  ffd::Box region;
   for (int a = 0; a < 3; ++a)
   {
-    wider.Min[a] = box.GetBound(2 * a) - margin[a];
-    wider.Max[a] = box.GetBound(2 * a + 1) + margin[a];
+    region.Min[a] = box.GetBound(2 * a);
+    region.Max[a] = box.GetBound(2 * a + 1);
   }
-  ffd::WidenFlatAxes(wider);
-  return wider;
+  ffd::WidenFlatAxes(region);
+  return region;
 }
 
 /// The box over which a lattice stands for a transform and its inverse, also where they move an
@@ -68,9 +69,9 @@ ffd::Box FindMovedRegion(vtkAbstractTransform* transform, const std::array<doubl
       }
     }
   }
-  return Widen(box,
-    { RegionMargin * box.GetLength(0), RegionMargin * box.GetLength(1),
-      RegionMargin * box.GetLength(2) });
+  box.Inflate(RegionMargin * box.GetLength(0), RegionMargin * box.GetLength(1),
+    RegionMargin * box.GetLength(2));
+  return MakeRegion(box);
 }
 
 /// Fits a lattice to a transform as asked for; `error`: the largest one, data units.
@@ -87,8 +88,9 @@ ffd::FitStatus FitLattice(vtkAbstractTransform* transform, const ffd::FitRequest
     return lattice.Fit(FindMovedRegion(transform, request.Bounds), sample, limits, error);
   }
   const vtkBoundingBox bounds(request.Bounds.data());
-  const double margin = MarginAtRest * bounds.GetMaxLength();
-  const ffd::Box region = Widen(bounds, { margin, margin, margin });
+  vtkBoundingBox wider(bounds);
+  wider.Inflate(MarginAtRest * bounds.GetMaxLength());
+  const ffd::Box region = MakeRegion(wider);
   // Frames take least where T goes on smoothly beyond the image. But a transform may end where the
   // image does, as one that is given on its points: then it is best to know nothing beyond.
   limits.MaximumCells = mostCells / 4;
@@ -97,7 +99,7 @@ ffd::FitStatus FitLattice(vtkAbstractTransform* transform, const ffd::FitRequest
   {
     return status;
   }
-  const ffd::Box image = Widen(bounds, {});
+  const ffd::Box image = MakeRegion(bounds);
   ffd::Lattice inside;
   double errorInside = 0.0;
   const int tried = limits.MaximumCells;

@@ -49,8 +49,6 @@ ffd::DisplacementSampler vtkFFDMakeTransformSampler(
            const glm::dvec3& step, std::vector<glm::dvec3>& displacements) {
     keep->Update();
     displacements.resize(ffd::GridSize(count));
-    const std::size_t perRow = static_cast<std::size_t>(count.x);
-    const std::size_t rows = displacements.size() / perRow;
     std::atomic<bool> finite{ true };
     const auto sampleRows = [&](std::size_t from, std::size_t to) {
       for (std::size_t row = from; row < to; ++row)
@@ -66,10 +64,11 @@ ffd::DisplacementSampler vtkFFDMakeTransformSampler(
           {
             finite = false;
           }
-          displacements[row * perRow + static_cast<std::size_t>(i)] = moved - position;
+          displacements[ffd::GridIndex(i, j, k, count)] = moved - position;
         }
       }
     };
+    const std::size_t rows = displacements.size() / static_cast<std::size_t>(count.x);
     (IsWithoutMessages(keep) ? parallelFor : ffd::ParallelFor())(rows, sampleRows);
     return finite.load();
   };
