@@ -26,6 +26,7 @@ import ffdinput  # noqa: E402
 # A pixel of ParaView's window, which is in the upper left corner: a place of the view beside the volume.
 BACKGROUND = (500, 300)
 RIGHT = (950, 300)  # in the right one of two views
+RESTING_TIME = 1.5  # of the pointer, seconds, after which ParaView has asked for the value below it
 
 
 def find_children(process):
@@ -124,6 +125,8 @@ class TestAbort(unittest.TestCase):
         # The first of them renders.
         with paused(self.processes[0]):
             act()
+            if len(self.processes) > 1:
+                time.sleep(0.5)  # for the client, which goes on, to say so to its server
         line = self.next("end", still=True, **frame)
         self.assertTrue(line["aborted"])
         self.assertLess(len(line["progress"]), 0.5 * self.whole)
@@ -209,16 +212,17 @@ class TestAbort(unittest.TestCase):
         server, window = self.processes
         server.kill()
         server.wait()
-        # The pointer moves on until the message comes, and a little longer: ParaView may have no time for
-        # the first motions, which Qt drops then. It takes a second; what never comes is not to take all of
-        # the time that there is for the tests.
+        # The pointer moves and rests, as the value below it is asked for when it has rested, until the
+        # message comes, and a little longer: ParaView may have no time for the first motions, which Qt
+        # drops then. It takes some seconds; what never comes is not to take all of the time that there
+        # is for the tests.
         end = time.monotonic() + 240.0
         text = ""
         step = 0
         while time.monotonic() < end and "ERR|" not in text:
             step += 1
             ffdinput.move(BACKGROUND[0] + 60 + step % 20, BACKGROUND[1] + 20)
-            time.sleep(0.2)
+            time.sleep(RESTING_TIME)
             with open(output, encoding="utf-8") as file:
                 text = file.read()
         for more in range(3):
