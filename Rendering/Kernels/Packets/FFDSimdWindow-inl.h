@@ -84,6 +84,13 @@ constexpr int WindowRowsAlongY()
   return sizeof(T) <= 2 ? 8 : 7;
 }
 
+/// A register of two halves. Halves are filled by blends of 256 bits, which take half as long as
+/// masked ones of 512 bits where a processor executes these in two steps, and no longer elsewhere.
+HWY_INLINE __m512i JoinHalves(__m256i low, __m256i high)
+{
+  return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
+}
+
 /// Which lanes are in the third or fourth layer of a window.
 HWY_INLINE __mmask16 IsBehind(Vi layer)
 {

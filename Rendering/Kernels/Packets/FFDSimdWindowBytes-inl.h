@@ -34,11 +34,14 @@ public:
     if constexpr (Components == 1)
     {
       static_cast<void>(component);
-      this->Rows = _mm512_broadcastq_epi64(Load(voxels.Get(slab, 1)));
-      for (int row = 2; row < 7; ++row)
-      {
-        this->LoadRow(voxels, slab, row);
-      }
+      const auto row = [&](int k) FFD_INLINE_LAMBDA {
+        return _mm256_broadcastq_epi64(Load(voxels.Get(slab, k)));
+      };
+      const __m256i low =
+        _mm256_blend_epi32(_mm256_blend_epi32(row(1), row(2), 0x30), row(3), 0xc0);
+      const __m256i high =
+        _mm256_blend_epi32(_mm256_blend_epi32(row(4), row(5), 0x0c), row(6), 0x30);
+      this->Rows = JoinHalves(low, high);
     }
     else
     {
@@ -68,15 +71,14 @@ private:
     if constexpr (Components == 2)
     {
       // Four rows of 16 bytes.
-      const auto load = [&](int row) FFD_INLINE_LAMBDA {
-        const auto add = [&](int k, __m512i others) FFD_INLINE_LAMBDA {
-          return _mm512_mask_broadcast_i64x2(others, static_cast<__mmask8>(3 << 2 * k),
-            _mm_loadu_si128(reinterpret_cast<const __m128i*>(voxels.Get(slab, row + k))));
+      const auto two = [&](int row) FFD_INLINE_LAMBDA {
+        const auto load = [&](int k) FFD_INLINE_LAMBDA {
+          return _mm_loadu_si128(reinterpret_cast<const __m128i*>(voxels.Get(slab, k)));
         };
-        const __m512i zeroth = _mm512_broadcast_i64x2(
-          _mm_loadu_si128(reinterpret_cast<const __m128i*>(voxels.Get(slab, row))));
-        return add(3, add(2, add(1, zeroth)));
+        return _mm256_inserti128_si256(_mm256_castsi128_si256(load(row)), load(row + 1), 1);
       };
+      const auto load = [&](int row)
+                          FFD_INLINE_LAMBDA { return JoinHalves(two(row), two(row + 2)); };
       this->Rows = KeepBytes(load(0), load(4), component);
     }
     else
@@ -86,7 +88,7 @@ private:
         const auto half = [&](int k) FFD_INLINE_LAMBDA {
           return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(voxels.Get(slab, row + k)));
         };
-        return _mm512_inserti64x4(_mm512_castsi256_si512(half(0)), half(1), 1);
+        return JoinHalves(half(0), half(1));
       };
       const int which = component % 2;
       this->Rows = KeepBytes(
@@ -119,7 +121,7 @@ private:
     const auto keep = [shift](__m512i bytes) {
       return _mm512_cvtepi16_epi8(_mm512_srl_epi16(bytes, shift));
     };
-    return _mm512_inserti64x4(_mm512_castsi256_si512(keep(low)), keep(high), 1);
+    return JoinHalves(keep(low), keep(high));
 #endif
   }
 

@@ -38,19 +38,21 @@ public:
       if constexpr (Components == 1)
       {
         static_cast<void>(component);
-        const int first = half == 0 ? 1 : 4;
-        rows = _mm512_broadcast_i32x4(Load(voxels.Get(slab, first)));
-        for (int row = first + 1; row < first + 3; ++row)
-        {
-          rows = _mm512_mask_broadcast_i64x2(rows, MaskOf(row), Load(voxels.Get(slab, row)));
-        }
+        const auto two = [&](int row) FFD_INLINE_LAMBDA {
+          return _mm256_inserti128_si256(_mm256_castsi128_si256(Load(voxels.Get(slab, row))),
+            Load(voxels.Get(slab, row + 1)), 1);
+        };
+        const auto one = [&](int row) FFD_INLINE_LAMBDA {
+          return _mm256_broadcastsi128_si256(Load(voxels.Get(slab, row)));
+        };
+        rows = half == 0 ? JoinHalves(one(1), two(2)) : JoinHalves(two(4), one(6));
       }
       else
       {
         const auto two = [&](int row) FFD_INLINE_LAMBDA {
           return KeepWords(voxels.Get(slab, row), voxels.Get(slab, row + 1), component);
         };
-        rows = _mm512_inserti64x4(_mm512_castsi256_si512(two(4 * half)), two(4 * half + 2), 1);
+        rows = JoinHalves(two(4 * half), two(4 * half + 2));
       }
       this->Rows[half] = ToSigned(v, rows);
     }
@@ -82,7 +84,7 @@ private:
     const auto load = [](const std::uint16_t* from) {
       return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
     };
-    const __m512i pairs = _mm512_inserti64x4(_mm512_castsi256_si512(load(row)), load(next), 1);
+    const __m512i pairs = JoinHalves(load(row), load(next));
     return _mm512_cvtepi32_epi16(_mm512_srl_epi32(pairs, _mm_cvtsi32_si128(16 * which)));
   }
   static HWY_INLINE __mmask8 MaskOf(int row) { return static_cast<__mmask8>(3 << 2 * (row % 4)); }
