@@ -228,8 +228,10 @@ private:
     Vf opacity = hn::Zero(d);
     if (HWY_UNLIKELY(mixed && byPlane))
     {
-      MixPlaneWithLabels(
-        this->Scene, value, lookup, tables, gradient, FindVoxels(this->Scene, q), opacity, color);
+      const PlaneTexel mix = MixPlaneWithLabels(
+        this->Scene, value, lookup, tables, gradient, FindVoxels(this->Scene, q));
+      opacity = mix.Opacity;
+      color = mix.Color;
     }
     else if (HWY_UNLIKELY(mixed))
     {

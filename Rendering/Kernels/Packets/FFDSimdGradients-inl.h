@@ -51,10 +51,12 @@ public:
   HWY_INLINE Vec3 GradientOf(const Source& voxels, const SamplePosition& at,
     const SampleRows<T>& rows, const Vec3& q, Mf border)
   {
-    const Vec3 gradient = Gradient<T>(voxels, at, rows);
-    return HWY_LIKELY(hn::AllFalse(Df(), border))
-      ? gradient
-      : this->Border.Gradient(q, border, gradient, voxels.IsRepeating());
+    Vec3 gradient = Gradient<T>(voxels, at, rows);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
+    {
+      gradient = Copy(this->Border.Gradient(Copy(q), border, Copy(gradient), voxels.IsRepeating()));
+    }
+    return gradient;
   }
 
   /// Gradients of samples at q, the position at s of a curve, in the lanes of `lanes`, or those of

@@ -49,6 +49,10 @@ struct Vec3
   Vf z;
 };
 
+/// A copy for functions that are not in line and seldom called: what is copied as a whole, or whose
+/// address is passed on, compilers keep in memory wherever else it is used.
+HWY_INLINE Vec3 Copy(const Vec3& v) { return { v.x, v.y, v.z }; }
+
 HWY_INLINE Vf Splat(float value) { return hn::Set(Df(), value); }
 
 HWY_INLINE Vec3 Broadcast(const float v[3]) { return { Splat(v[0]), Splat(v[1]), Splat(v[2]) }; }

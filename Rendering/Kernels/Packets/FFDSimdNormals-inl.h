@@ -62,7 +62,8 @@ public:
     }
     else
     {
-      gradient = Transform(this->Scene.GradientToLights, this->GradientFromField(q, byIndex, t));
+      gradient =
+        Transform(this->Scene.GradientToLights, this->GradientFromField(Copy(q), Copy(byIndex), t));
     }
     const auto position = [&] {
       return Transform(

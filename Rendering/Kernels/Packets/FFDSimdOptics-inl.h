@@ -170,15 +170,14 @@ HWY_INLINE PlaneTexel LookUpPlane(
 }
 
 /// Does what MixWithLabels() does where the scalars alone are looked up in a two-dimensional
-/// transfer function.
-HWY_NOINLINE inline void MixPlaneWithLabels(const PacketScene& scene, Vf values,
-  const TableLookup& ofLabel, Vi tables, const Vec3& gradient, const Vec3& q, Vf& opacity,
-  Vec3& color)
+/// transfer function; returns the color, and the opacity over the reference length.
+HWY_NOINLINE inline PlaneTexel MixPlaneWithLabels(
+  const PacketScene& scene, Vf values, TableLookup ofLabel, Vi tables, Vec3 gradient, Vec3 q)
 {
-  const PlaneTexel texel = LookUpPlane(scene.Plane, values, gradient, q);
-  opacity = OpacityOf(scene, scene.Plane, texel);
-  color = texel.Color;
-  MixInLabels(scene, ofLabel, tables, gradient, opacity, color);
+  PlaneTexel texel = LookUpPlane(scene.Plane, values, gradient, q);
+  texel.Opacity = OpacityOf(scene, scene.Plane, texel);
+  MixInLabels(scene, ofLabel, tables, gradient, texel.Opacity, texel.Color);
+  return texel;
 }
 
 /// The value, of those of all components at a sample, whose opacity is that of `component` and

@@ -123,11 +123,11 @@ struct EyeDirections
   }
 };
 
-/// Adds the lights that are no headlights, but for their ambient terms. `inverseHalves`: those of
-/// EyeDirections, or null.
-HWY_NOINLINE inline void AddLights(const PacketScene& scene, const PacketSurface& surface,
+/// `lit` with the lights that are no headlights, but for their ambient terms. `inverseHalves`:
+/// those of EyeDirections, or null.
+HWY_NOINLINE inline Lighting AddLights(const PacketScene& scene, const PacketSurface& surface,
   const Vec3& position, const Vec3& normal, const Vec3& toEye, const Vf* inverseHalves,
-  Lighting& lit)
+  Lighting lit)
 {
   const Vf nDotE = Dot(normal, toEye);
   const Vf zero = hn::Zero(Df());
@@ -163,6 +163,7 @@ HWY_NOINLINE inline void AddLights(const PacketScene& scene, const PacketSurface
   }
   lit.Diffuse = Add(lit.Diffuse, { diffuse, diffuse, diffuse });
   lit.Specular = Add(lit.Specular, { specular, specular, specular });
+  return lit;
 }
 
 /**
@@ -174,7 +175,7 @@ HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, co
   const Vec3& gradient, EyeDirections& eye, const PositionOf& positionOf)
 {
   const Vec3 toEye =
-    scene.Parallel ? Normalize(Sub(Broadcast(scene.Eye), positionOf())) : eye.ToEye;
+    scene.Parallel ? Normalize(Sub(Broadcast(scene.Eye), positionOf())) : Copy(eye.ToEye);
   const Vf inverse = InverseLength(gradient);
   // The half vector of headlights is the direction to the eye.
   const Vf facing = LitCosine(scene,
@@ -191,7 +192,7 @@ HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, co
     {
       eye.FindHalves(surface);
     }
-    AddLights(scene, surface, positionOf(), normal, toEye,
+    lit = AddLights(scene, surface, positionOf(), normal, Copy(toEye),
       scene.Parallel ? nullptr : eye.InverseHalves, lit);
   }
   const auto mix = [&](Vf Vec3::*c) FFD_INLINE_LAMBDA {
