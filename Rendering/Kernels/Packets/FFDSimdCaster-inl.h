@@ -385,6 +385,24 @@ private:
     this->Samples.State.Expecting = hn::FirstN(Df(), 0);
   }
 
+  /// Whether all voxels that samples of a part need exist.
+  static HWY_INLINE bool HasAllVoxels(const TileSegment& segment, int block, int part)
+  {
+    return (segment.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
+  }
+
+  /// The end of the parts that are taken with a needed one: those that follow it without a gap, as
+  /// far as they are known, and are inside if it is.
+  static HWY_INLINE int FindEndOfRun(const TileSegment& segment, int block, int part)
+  {
+    const auto at = static_cast<std::size_t>(block);
+    const std::uint32_t inside = segment.Inside[at];
+    const std::uint32_t alike =
+      segment.Needed[at] & (HasAllVoxels(segment, block, part) ? inside : ~inside);
+    const std::size_t length = hwy::Num0BitsBelowLS1Bit_Nonzero64(~std::uint64_t{ alike >> part });
+    return std::min(segment.KnownParts, part + static_cast<int>(length));
+  }
+
   HWY_INLINE void CastCurves(TileSegment& segment, const PartRange& parts)
   {
     const int x = this->X - segment.X;
@@ -392,30 +410,35 @@ private:
     const int block = this->BlockIn(segment);
     PacketCurve curve;
     bool begun = false;
-    for (int part = this->FindNeeded(segment, block, parts.First, parts.End); part < parts.End;
-         part = this->FindNeeded(segment, block, part + 1, parts.End))
+    const bool seeking = !this->Scene.Peaks.empty();
+    const bool whole = !segment.LeapsRays && !this->Scratch.Positions;
+    PartRange run{ parts.First, parts.First };
+    for (run.First = this->FindNeeded(segment, block, parts.First, parts.End);
+         run.First < parts.End; run.First = this->FindNeeded(segment, block, run.End, parts.End))
     {
-      const bool seeking = !this->Scene.Peaks.empty();
+      run.End = run.First + 1;
       if (HWY_UNLIKELY(seeking))
       {
-        const unsigned int channels = this->FindChannels(segment, block, part) & this->Sought;
+        const unsigned int channels = this->FindChannels(segment, block, run.First) & this->Sought;
         if (channels == 0)
         {
           continue;
         }
         this->Blending.Want(channels);
       }
-      const int from = segment.FirstSample + part * segment.SamplesPerPart;
+      const int from = segment.FirstSample + run.First * segment.SamplesPerPart;
       if (!begun)
       {
         this->BeginCurves(segment, x, y, block, curve);
         begun = true;
       }
-      const int to = std::min(
-        { from + segment.SamplesPerPart, segment.FirstSample + segment.Samples, this->EndSample });
-      const bool within = !this->Scene.Grid.Snaps &&
-        (segment.Inside[static_cast<std::size_t>(block)] >> part & 1u) != 0;
-      const bool whole = !segment.LeapsRays && !this->Scratch.Positions;
+      const bool within = !this->Scene.Grid.Snaps && HasAllVoxels(segment, block, run.First);
+      if (HWY_LIKELY(!seeking && whole))
+      {
+        run.End = std::min(parts.End, FindEndOfRun(segment, block, run.First));
+      }
+      const int to = std::min({ segment.FirstSample + run.End * segment.SamplesPerPart,
+        segment.FirstSample + segment.Samples, this->EndSample });
       const int first = std::max(from, this->FirstSample);
       int n;
       if (HWY_UNLIKELY(!whole))

@@ -114,7 +114,7 @@ HWY_INLINE Mf IsShown(
   }
   if (scene.CropSpace == Cropping::Spaces::Rest)
   {
-    return hn::And(inside, IsUncropped(scene, q));
+    return hn::And(inside, IsUncropped(scene, Copy(q)));
   }
   return hn::And(inside, IsUncropped(scene, MulAdd(curve.TimeAt(s), rays.Direction, rays.Origin)));
 }

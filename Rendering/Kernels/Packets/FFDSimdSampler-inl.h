@@ -431,14 +431,14 @@ private:
       Vf value;
       if (HWY_UNLIKELY(moved) && !AtFaces)
       {
-        value = this->FindMovedInnerValue(n + Ahead, q, sampled);
+        value = this->FindMovedInnerValue(n + Ahead, Copy(q), sampled);
       }
       else if ((Fit == WindowFit::None &&
                  (AtFaces || HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0))) ||
         HWY_UNLIKELY(moved))
       {
         const Mf inside = Ahead == 0 ? sampled : hn::And(sampled, IsInside(this->Scene, q));
-        value = this->FindValue(q, inside);
+        value = this->FindValue(Copy(q), inside);
       }
       else
       {
