@@ -396,10 +396,9 @@ HWY_INLINE float LargestLane(Vf v) { return hn::GetLane(hn::MaxOfLanes(Df(), v))
 /// 2^x for x <= 0; relative error below 3e-7, zero below -80.
 HWY_INLINE Vf Exp2(Vf x)
 {
-  const Df d;
-  const Di di;
-  const Mf tiny = hn::Lt(x, Splat(-80.0f));
-  x = hn::Max(x, Splat(-80.0f));
+  const Vf least = Splat(-80.0f);
+  const Mf some = hn::Ge(x, least);
+  x = hn::Max(x, least);
   const Vf whole = hn::Floor(x);
   const Vf f = hn::Sub(x, whole);
   // Minimax polynomial of 2^f on [0, 1].
@@ -409,8 +408,12 @@ HWY_INLINE Vf Exp2(Vf x)
   p = hn::MulAdd(p, f, Splat(2.4015361e-1f));
   p = hn::MulAdd(p, f, Splat(6.9315308e-1f));
   p = hn::MulAdd(p, f, Splat(9.9999994e-1f));
-  const Vi exponent = hn::ShiftLeft<23>(hn::Add(Truncate(whole), hn::Set(di, 127)));
-  return hn::IfThenZeroElse(tiny, hn::Mul(p, hn::BitCast(d, exponent)));
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
+  return Vf{ _mm512_maskz_scalef_ps(some.raw, p.raw, whole.raw) };
+#else
+  const Vi exponent = hn::ShiftLeft<23>(hn::Add(Truncate(whole), hn::Set(Di(), 127)));
+  return hn::IfThenElseZero(some, hn::Mul(p, hn::BitCast(Df(), exponent)));
+#endif
 }
 
 /// 1 / x for normal x whose reciprocal is one; relative error below 3e-7.
