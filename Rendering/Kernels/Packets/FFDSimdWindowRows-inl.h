@@ -118,7 +118,12 @@ public:
       for (int row = 0; row < VoxelWindow<T>::Side; ++row)
       {
         const std::uintptr_t at = next + static_cast<std::uintptr_t>(row * step);
-        _mm_prefetch(reinterpret_cast<const char*>(at), _MM_HINT_T0);
+        Prefetch(at);
+        // Rows may end in the line behind the one that they begin in. Longer ones do not gain.
+        if constexpr (RowBytes > LineBytes / 4 && RowBytes <= LineBytes)
+        {
+          Prefetch(at + RowBytes - 1);
+        }
       }
     }
     const int corner = this->Voxels.GetFirstX() + 1 + 8 * (y - 1);
@@ -160,8 +165,16 @@ public:
   }
 
 private:
+  static constexpr std::size_t RowBytes = VoxelWindow<T>::Side * Components * sizeof(T);
+  static constexpr std::size_t LineBytes = 64; ///< of caches
+
   /// Voxels along z.
   static constexpr int NumberOfSlabs = Fit == WindowFit::Two ? 5 : Fit == WindowFit::Three ? 6 : 7;
+
+  static HWY_INLINE void Prefetch(std::uintptr_t at)
+  {
+    _mm_prefetch(reinterpret_cast<const char*>(at), _MM_HINT_T0);
+  }
 
   HWY_INLINE void LoadCells(int slab)
   {
