@@ -20,6 +20,7 @@ struct PacketMask
   ScalarType Type = ScalarType::UInt8;
   int Dimensions[3] = {};
   std::ptrdiff_t RowIncrement = 0; ///< elements from one row of all slices to the next
+  bool InReach = false;            ///< whether 32-bit offsets lead to all of them
   /// Voxel for voxel the grid of the volume; else `FromIndex` and `Offset` take its index
   /// coordinates to those of the mask.
   bool SameGrid = true;
@@ -45,21 +46,28 @@ struct PacketMask
   std::vector<float> GradientFactors;
   float MagnitudeScale[3] = {};
 
-  /// Number of the table of a label, 0 without one.
+  /// The label that a scalar stands for, or a number that has no table.
   template <class T>
-  int TableOf(T label) const
+  int LabelOf(T scalar) const
   {
-    if constexpr (std::is_integral<T>::value)
+    if constexpr (std::is_integral<T>::value && sizeof(T) <= sizeof(int))
     {
-      const bool known = label > 0 && static_cast<std::uint64_t>(label) < this->Tables.size();
-      return known ? this->Tables[static_cast<std::size_t>(label)] : 0;
+      return static_cast<int>(scalar);
     }
     else
     {
-      const double size = static_cast<double>(this->Tables.size());
-      const bool known = label >= 0.5 && static_cast<double>(label) < size - 0.5;
-      return known ? this->Tables[static_cast<std::size_t>(label + 0.5)] : 0;
+      const double label = static_cast<double>(scalar) + (std::is_integral<T>::value ? 0.0 : 0.5);
+      return label >= 1.0 && label < static_cast<double>(this->Tables.size())
+        ? static_cast<int>(label)
+        : 0;
     }
+  }
+
+  /// Number of the table of a label, 0 without one.
+  int TableOf(int label) const
+  {
+    const bool known = label > 0 && static_cast<std::size_t>(label) < this->Tables.size();
+    return known ? this->Tables[static_cast<std::size_t>(label)] : 0;
   }
 };
 

@@ -82,6 +82,8 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
     p.Dimensions[a] = mask.Volume.Dimensions[a];
   }
   p.RowIncrement = mask.Volume.Increments[1];
+  p.InReach = static_cast<double>(p.RowIncrement) * p.Dimensions[1] * p.Dimensions[2] <=
+    std::numeric_limits<int>::max();
   p.SameGrid = mask.SameGrid;
   CopyRows(classifier.GetToMask(), p.FromIndex);
   Copy(classifier.GetMaskOffset(), p.Offset);
@@ -301,7 +303,6 @@ void AddComponents(const SampleClassifier& classifier, const Shading& material,
     }
     PacketComponent component;
     component.Gradients = MakeGradientOpacity(optics.Gradients, classifier, scene.Volume, ofVoxels);
-    component.UnitDistance = static_cast<float>(optics.Table.GetUnitDistance());
     component.Weight = optics.Weight;
     const bool byPlane = !optics.Plane.IsEmpty();
     component.ByTable = !byPlane && scene.Mask.Tables.empty();
@@ -329,6 +330,16 @@ void AddComponents(const SampleClassifier& classifier, const Shading& material,
     {
       scene.ColorPlane = MakePlane(classifier, functions.Components[0], scene.Volume, 0);
     }
+  }
+}
+
+/// Finds the opacities that normals are made of.
+void FindOpacities(const CastScene& scene, const OpticalFunctions& functions, PacketScene& p)
+{
+  p.Table.FindOpacities(0, scene.Table->GetUnitDistance());
+  for (std::size_t i = 1; i < p.Components.size(); ++i)
+  {
+    p.Table.FindOpacities(i, functions.Components[i].Table.GetUnitDistance());
   }
 }
 
@@ -564,6 +575,11 @@ void SetShading(const CastScene& scene, const CastSettings& settings,
   {
     AddComponents(
       classifier, scene.Material, toLights * p.Center, settings.Leaping != SpaceLeaping::Off, p);
+  }
+  p.NormalsOfOpacity = p.Shade && classifier.HasNormalsOfOpacity();
+  if (p.NormalsOfOpacity)
+  {
+    FindOpacities(scene, classifier.GetFunctions(), p);
   }
 }
 

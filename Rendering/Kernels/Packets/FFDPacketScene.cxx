@@ -333,7 +333,6 @@ PacketScene MakePacketScene(
   SetClipping(scene, p);
   SetLeaping(scene, settings, p);
   SetShading(scene, settings, classifier, p);
-  p.NormalsOfOpacity = p.Shade && classifier.HasNormalsOfOpacity();
 
   p.Inner =
     p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components && !p.Grid.Snaps;
@@ -348,9 +347,11 @@ PacketScene MakePacketScene(
   p.InnerChannels = p.Sampling == PacketSampling::Extreme && !p.Grid.Snaps && !kind.Masked &&
     !p.HidesSamples && p.Volume.SlicesInReach == 0 &&
     (p.Volume.Components == 2 || p.Volume.Components == 4);
-  p.Plain = p.Inner && p.CropSpace == Cropping::Spaces::None && !p.OpacityByGradient &&
-    !p.NormalsOfOpacity && !p.ClipsGradients && !p.Mask.Scalars && !kind.Plane &&
-    !p.Grid.ChangesGradients();
+  const bool isPlain = p.Inner && p.CropSpace == Cropping::Spaces::None && !p.NormalsOfOpacity &&
+    !p.ClipsGradients && !p.Mask.Scalars && !kind.Plane && !p.Grid.ChangesGradients();
+  p.Options = !isPlain    ? CompositeOptions::Any
+    : p.OpacityByGradient ? CompositeOptions::GradientOpacity
+                          : CompositeOptions::None;
   return p;
 }
 

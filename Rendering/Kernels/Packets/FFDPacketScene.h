@@ -59,6 +59,15 @@ enum class PacketSampling
   Slice
 };
 
+/// What composites of one component have besides a transfer function and light: a constant of their
+/// loops, in which what is not used costs nothing.
+enum class CompositeOptions
+{
+  None,
+  GradientOpacity, ///< and nothing else
+  Any
+};
+
 /// A point of rest space and where T takes it, local coordinates.
 struct PacketSeed
 {
@@ -113,10 +122,9 @@ struct ValueRange
 struct PacketComponent
 {
   PacketGradientOpacity Gradients;
-  PacketPlane Plane;         ///< in the place of the table and of Gradients
-  float UnitDistance = 1.0f; ///< of the table
-  float Weight = 1.0f;       ///< of its opacity
-  bool ByTable = true;       ///< whether its table alone tells what is transparent
+  PacketPlane Plane;   ///< in the place of the table and of Gradients
+  float Weight = 1.0f; ///< of its opacity
+  bool ByTable = true; ///< whether its table alone tells what is transparent
   ValueRange Visible;
   PacketSurface Surface;
 };
@@ -215,8 +223,7 @@ struct PacketScene
   float CropHigh[3] = {};
   int CropFlags = 0;
   bool Intervals = false; ///< Blending::UsesIntervals()
-  bool Plain =
-    false; ///< compositing of one component by its table alone, without cropping and masks
+  CompositeOptions Options = CompositeOptions::Any;
   bool Inner = false; ///< compositing of one component: the samples of a part have a loop
   bool InnerComponents =
     false; ///< the same of two components, or of four dependent ones, in reach of offsets

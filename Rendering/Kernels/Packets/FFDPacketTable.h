@@ -68,6 +68,35 @@ public:
     }
   }
 
+  /// What is interpolated between the ends of an interval: opacities over a length, which may be
+  /// below zero as GetInterpolated() is.
+  struct OpacityPair
+  {
+    float Ends[2];
+  };
+
+  /// Finds the opacities of a table over a length, in data units.
+  void FindOpacities(std::size_t table, double length)
+  {
+    const Range& range = this->Ranges[table];
+    this->Opacities.resize(this->Intervals.size());
+    const auto find = [length](std::uint32_t word) {
+      float extinction;
+      std::memcpy(&extinction, &word, sizeof(float));
+      return static_cast<float>(
+        -std::expm1(-std::log(2.0) * static_cast<double>(extinction) * length));
+    };
+    const std::size_t first = static_cast<std::size_t>(range.First);
+    const std::size_t end = first + static_cast<std::size_t>(range.Intervals);
+    for (std::size_t i = first; i < end; ++i)
+    {
+      const std::uint32_t* const extinctions = this->Intervals[i].Extinctions;
+      this->Opacities[i] = { { find(extinctions[0]), find(extinctions[1]) } };
+    }
+  }
+
+  const OpacityPair* GetOpacities() const { return this->Opacities.data(); }
+
   const std::uint32_t* GetWords() const { return this->Intervals[0].Extinctions; }
   std::size_t GetSize() const { return this->Ranges.size(); }
   const Range& GetRange(std::size_t table) const { return this->Ranges[table]; }
@@ -82,6 +111,7 @@ private:
 
   std::vector<Range> Ranges;
   std::vector<Interval> Intervals;
+  std::vector<OpacityPair> Opacities; // of the intervals, where FindOpacities() was asked for them
 };
 
 } // namespace ffd

@@ -469,9 +469,12 @@ private:
   template <bool AtFaces>
   HWY_INLINE int TakePart(const PacketCurve& curve, int from, int to)
   {
-    if (HWY_LIKELY(this->Scene.Plain && !this->Scene.ClassifiesIntervals))
+    if (HWY_LIKELY(
+          this->Scene.Options != CompositeOptions::Any && !this->Scene.ClassifiesIntervals))
     {
-      return this->Samples.template TakeSamples<true, AtFaces>(curve, this->Numbers, from, to);
+      return HWY_LIKELY(this->Scene.Options == CompositeOptions::None)
+        ? this->template Composite<AtFaces, CompositeOptions::None>(curve, from, to)
+        : this->template Composite<AtFaces, CompositeOptions::GradientOpacity>(curve, from, to);
     }
     if (this->Blending.template HasLoop<AtFaces>())
     {
@@ -487,7 +490,14 @@ private:
     }
     return this->Scene.ClassifiesIntervals
       ? this->Samples.Intervals.template TakeAll<AtFaces>(curve, this->Numbers, from, to)
-      : this->Samples.template TakeSamples<false, AtFaces>(curve, this->Numbers, from, to);
+      : this->template Composite<AtFaces, CompositeOptions::Any>(curve, from, to);
+  }
+
+  /// PacketCompositor::TakeSamples()
+  template <bool AtFaces, CompositeOptions Options>
+  HWY_INLINE int Composite(const PacketCurve& curve, int from, int to)
+  {
+    return this->Samples.template TakeSamples<Options, AtFaces>(curve, this->Numbers, from, to);
   }
 
   /// Takes the samples from `from` on, before `to`, one by one: those that have no loop of their
@@ -681,7 +691,7 @@ private:
     {
       this->NotePositions(q, curve.TimeAt(s), hn::And(active, IsInside(this->Scene, q)));
     }
-    if (HWY_LIKELY(this->Scene.Plain))
+    if (HWY_LIKELY(this->Scene.Options == CompositeOptions::None))
     {
       if (!within)
       {
@@ -697,7 +707,7 @@ private:
       }
       else
       {
-        this->Samples.template TakeSample<true>(curve, q, s, active);
+        this->Samples.template TakeSample<CompositeOptions::None>(curve, q, s, active);
       }
     }
     else
@@ -723,7 +733,7 @@ private:
         }
         else
         {
-          this->Samples.template TakeSample<false>(curve, q, s, active);
+          this->Samples.template TakeSample<CompositeOptions::Any>(curve, q, s, active);
         }
       }
       else

@@ -42,6 +42,12 @@ struct SamplePosition
   const PacketIntegers* Integers;
 };
 
+/// As Copy() of vectors.
+HWY_INLINE SamplePosition Copy(const SamplePosition& at)
+{
+  return { at.Fx, at.Fy, at.Fz, at.Weights, at.AtVoxels, at.Integers };
+}
+
 /// The value between two neighboring voxels, at a part of the way from `a` to `b`. At a voxel the
 /// other one does not count: what is not a finite number would, whatever its weight in a sum.
 HWY_INLINE Vf Between(Vf a, Vf b, Vf part, const SamplePosition& at)
@@ -162,7 +168,7 @@ public:
     {
       if (v.SlicesInReach < 0)
       {
-        return this->FitThin(v, cells, lanes, offsets);
+        return this->FitThin(v, { cells.X, cells.Y, cells.Z }, lanes, offsets);
       }
       const int first = FindFirstSlice(cells, lanes);
       this->Shifted = v;

@@ -27,6 +27,7 @@
 #include "FFDSimdWindow-inl.h"
 #include "FFDSimdWindowRows-inl.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -109,6 +110,13 @@ public:
   }
 
 private:
+  /// What dependent components look like, unlit.
+  struct Classified
+  {
+    Vec3 Color;
+    Vf Extinction;
+  };
+
   /// The extinctions that densities of one of several components have by its table. Where it does
   /// not tell what is transparent, all may be visible.
   HWY_INLINE Vf FindFirstExtinction(
@@ -146,7 +154,7 @@ private:
     }
     visible = hn::And(visible, sampled);
     return this->Scene.HidesSamples && !hn::AllFalse(d, visible)
-      ? LeaveOutHidden(this->Scene, q, visible)
+      ? LeaveOutHidden(this->Scene, Copy(q), visible)
       : visible;
   }
 
@@ -173,7 +181,7 @@ private:
       return;
     }
     voxels.Widen();
-    const auto find = [&](bool ofOpacity) {
+    const auto find = [&](bool ofOpacity) FFD_INLINE_LAMBDA {
       return this->Samples.FindGradient(
         voxels, at, rows, curve, q, voxel, s, lanes, border, ofOpacity, number);
     };
@@ -247,7 +255,7 @@ private:
     Mf visible = hn::And(sampled, hn::Gt(ofTable, hn::Zero(d)));
     if (this->Scene.HidesSamples && !hn::AllFalse(d, visible))
     {
-      visible = LeaveOutHidden(this->Scene, q, visible);
+      visible = LeaveOutHidden(this->Scene, Copy(q), visible);
     }
     if (hn::AllFalse(d, visible))
     {
@@ -408,23 +416,25 @@ private:
 
   /// Classifies and lights dependent components. `ofTable`: the extinction of the density,
   /// FindFirstExtinction(), `gradient`: its gradient, `normal`: that which gives normals.
-  HWY_NOINLINE void ClassifyDependent(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
+  HWY_INLINE void ClassifyDependent(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
     const Vf* values, Vf ofTable, const Vec3& gradient, const Vec3& normal, Vec3& color,
     Vf& extinction)
   {
-    const Df d;
-    const Vf zero = hn::Zero(d);
     const PacketComponent& component = this->Scene.Components[0];
     if (HWY_UNLIKELY(!component.ByTable))
     {
-      this->ClassifyFurther(q, values, gradient, color, extinction);
+      Vf copies[LargestNumberOfComponents];
+      std::copy_n(values, this->Scene.Volume.Components, copies);
+      const Classified classified = this->ClassifyFurther(Copy(q), copies, Copy(gradient));
+      color = Copy(classified.Color);
+      extinction = classified.Extinction;
     }
     else
     {
       extinction = ofTable;
       if (component.Gradients.Factors)
       {
-        extinction = hn::IfThenElseZero(hn::Gt(ofTable, zero),
+        extinction = hn::IfThenElseZero(hn::Gt(ofTable, hn::Zero(Df())),
           WeighExtinction(this->Scene, ofTable, FactorOf(component.Gradients, gradient)));
       }
       color = DependentColor(this->Scene, values);
@@ -436,15 +446,14 @@ private:
   }
 
   /// Does what ClassifyDependent() does by a two-dimensional transfer function or with labels.
-  HWY_NOINLINE void ClassifyFurther(
-    const Vec3& q, const Vf* values, const Vec3& gradient, Vec3& color, Vf& extinction)
+  HWY_NOINLINE Classified ClassifyFurther(const Vec3& q, const Vf* values, const Vec3& gradient)
   {
     const PacketScene& scene = this->Scene;
     const PacketComponent& component = scene.Components[0];
     const Vf density = DensityOf(scene, 0, values);
     const bool labeled = !scene.Mask.Tables.empty();
     Vf opacity;
-    color = DependentColor(scene, values);
+    Vec3 color = DependentColor(scene, values);
     if (component.Plane.Texels)
     {
       const PacketPlane& plane = component.Plane;
@@ -457,8 +466,7 @@ private:
       }
       if (!labeled)
       {
-        extinction = OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance);
-        return;
+        return { color, OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance) };
       }
       opacity = OpacityOf(scene, plane, texel);
     }
@@ -472,7 +480,7 @@ private:
     }
     const Vi tables = FindLabelTables(scene.Mask, FindMaskPosition(scene, q));
     MixInLabels(scene, TableLookup(scene, density, tables), tables, gradient, opacity, color);
-    extinction = OpaqueExtinctionOver(opacity, scene.ReferenceLength);
+    return { color, OpaqueExtinctionOver(opacity, scene.ReferenceLength) };
   }
 
   PacketGradients<T>& Samples;

@@ -173,7 +173,7 @@ public:
   /// Fetches from the cells of `lanes`, FindInterior(); other lanes get a cell that can be fetched.
   HWY_INLINE ComponentSamples(
     const PacketVolume& v, const SampleCells& cells, const SamplePosition& at, Mf lanes)
-    : At(at)
+    : At(Copy(at))
   {
     this->Voxels.Fit(v, cells, lanes, this->Offsets);
   }

@@ -50,15 +50,15 @@ public:
   }
 
   /// Takes a sample of the lanes of `sampled` at q, the position at s of a curve, in the volume.
-  /// `Plain` is PacketScene::Plain as a constant, so that options that are not used cost nothing.
-  template <bool Plain>
+  /// `Options` is PacketScene::Options as a constant.
+  template <CompositeOptions Options>
   HWY_NOINLINE void TakeSample(const PacketCurve& curve, const Vec3& q, Vf s, Mf sampled)
   {
-    const Vec3 voxel = Plain ? q : FindSampledVoxels(this->Scene, q);
+    const Vec3 voxel = IsAny<Options> ? FindSampledVoxels(this->Scene, q) : q;
     FetchedSample<T> fetched;
     FetchSample(this->Scene.Volume, voxel, sampled, this->Border, fetched);
-    this->template Composite<Plain>(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, curve,
-      q, voxel, s, sampled, fetched.AtBorder);
+    this->template Composite<Options>(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value,
+      curve, q, voxel, s, sampled, fetched.AtBorder);
   }
 
   /**
@@ -67,12 +67,12 @@ public:
    * all voxels that they and their gradients need must exist. Returns the number of the sample with
    * which all rays have ended, or `to`.
    */
-  template <bool Plain, bool AtFaces>
+  template <CompositeOptions Options, bool AtFaces>
   HWY_INLINE int TakeSamples(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
     return this->template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
-      return this->template TakeSamples<Plain, AtFaces, decltype(fit)::value>(
+      return this->template TakeSamples<Options, AtFaces, decltype(fit)::value>(
         curve, numbers, from, to);
     });
   }
@@ -81,8 +81,11 @@ public:
   ComponentCompositor<T> Components;
 
 private:
+  template <CompositeOptions Options>
+  static constexpr bool IsAny = Options == CompositeOptions::Any;
+
   /// TakeSamples() with windows of one kind, or without.
-  template <bool Plain, bool AtFaces, WindowFit Fit>
+  template <CompositeOptions Options, bool AtFaces, WindowFit Fit>
   HWY_NOINLINE int TakeSamples(
     const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
@@ -92,7 +95,8 @@ private:
       Mf sampled = numbers.FindActive(this->State.Alive, n);
       const Vf s = numbers.FindPlaces(curve, n);
       const Vec3 q = curve.At(this->Scene, s);
-      if (AtFaces || (!Plain && HWY_UNLIKELY(this->Scene.CropSpace != Cropping::Spaces::None)))
+      if (AtFaces ||
+        (IsAny<Options> && HWY_UNLIKELY(this->Scene.CropSpace != Cropping::Spaces::None)))
       {
         sampled = this->template FindShown<AtFaces>(curve, q, s, sampled);
         if (hn::AllFalse(d, sampled))
@@ -102,20 +106,20 @@ private:
       }
       if (Fit == WindowFit::None && (AtFaces || HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0)))
       {
-        this->template TakeSample<Plain>(curve, q, s, sampled);
+        this->template TakeSample<Options>(curve, q, s, sampled);
       }
       else
       {
         SampleCells cells;
-        const Vec3 voxel = Plain ? q : FindSampledVoxels(this->Scene, q);
+        const Vec3 voxel = IsAny<Options> ? FindSampledVoxels(this->Scene, q) : q;
         const SamplePosition at = FindCells(this->Scene.Volume, voxel, !AtFaces, cells);
         const Mf border = AtFaces
           ? hn::AndNot(FindInterior(this->Scene.Volume, cells, sampled), sampled)
           : hn::FirstN(d, 0);
-        auto voxels = this->template FindRows<AtFaces, Fit, !Plain>(n, cells, sampled);
+        auto voxels = this->template FindRows<AtFaces, Fit, IsAny<Options>>(n, cells, sampled);
         SampleRows<T> rows;
         const Vf value = Sample<T>(voxels, at, rows);
-        this->template Composite<Plain>(
+        this->template Composite<Options>(
           voxels, at, rows, value, curve, q, voxel, s, sampled, border);
       }
       if (HWY_UNLIKELY(hn::AllFalse(d, this->State.Alive)))
@@ -134,12 +138,13 @@ private:
 
   /// Classifies, shades and composites the samples of the lanes of `sampled` at q, fetched at the
   /// voxel coordinates `voxel`; BorderSamples fetched those of `border`.
-  template <bool Plain, class Source>
+  template <CompositeOptions Options, class Source>
   HWY_INLINE void Composite(Source& voxels, const SamplePosition& at, const SampleRows<T>& rows,
     Vf value, const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s, Mf sampled,
     Mf border)
   {
     const Df d;
+    constexpr bool Any = IsAny<Options>;
     this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
     // Comparisons with what is not a number are false.
     sampled = hn::And(sampled,
@@ -151,17 +156,18 @@ private:
     }
     const PacketMask& mask = this->Scene.Mask;
     const PacketPlane& plane = this->Scene.Plane;
-    const bool byGradient = !Plain && this->Scene.OpacityByGradient;
-    const bool byOpacity = !Plain && this->Scene.NormalsOfOpacity;
+    const bool byGradient =
+      Any ? this->Scene.OpacityByGradient : Options == CompositeOptions::GradientOpacity;
+    const bool byOpacity = Any && this->Scene.NormalsOfOpacity;
     const PacketGradientOpacity& gradients = this->Scene.Gradients;
     const auto findGradient = [&](Mf lanes) FFD_INLINE_LAMBDA {
-      return Plain ? this->GradientOf(voxels, at, rows, q, border)
-                   : this->FindGradient(voxels, at, rows, curve, q, voxel, s, lanes, border);
+      return Any ? this->FindGradient(voxels, at, rows, curve, q, voxel, s, lanes, border)
+                 : this->GradientOf(voxels, at, rows, q, border);
     };
     Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
     // Most gradients of what is visible by its value may be small: no table is looked up for them.
-    const bool gradientFirst =
-      byGradient && gradients.ZeroUpTo > 0.0f && !mask.Scalars && !this->Scene.HidesSamples;
+    const bool gradientFirst = byGradient && gradients.ZeroUpTo > 0.0f &&
+      !(Any && (mask.Scalars || this->Scene.HidesSamples));
     if (gradientFirst)
     {
       voxels.Widen();
@@ -172,8 +178,8 @@ private:
         return;
       }
     }
-    const bool byPlane = !Plain && plane.Texels != nullptr;
-    const bool labeled = !Plain && !mask.Tables.empty();
+    const bool byPlane = Any && plane.Texels != nullptr;
+    const bool labeled = Any && !mask.Tables.empty();
     const bool mixed = labeled && (byPlane || mask.BlendFactor < 1.0f);
     const Vi tables =
       labeled ? FindLabelTables(mask, FindMaskPosition(this->Scene, q)) : hn::Zero(Di());
@@ -197,9 +203,9 @@ private:
     {
       lookup = TableLookup(this->Scene, value, tables);
     }
-    if (!Plain && this->Scene.HidesSamples && !hn::AllFalse(d, visible))
+    if (Any && this->Scene.HidesSamples && !hn::AllFalse(d, visible))
     {
-      visible = LeaveOutHidden(this->Scene, q, visible);
+      visible = LeaveOutHidden(this->Scene, Copy(q), visible);
     }
     if (hn::AllFalse(d, visible))
     {

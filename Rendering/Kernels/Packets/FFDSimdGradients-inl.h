@@ -68,10 +68,12 @@ public:
     Mf lanes, Mf border, bool ofOpacity = false, int number = 0)
   {
     const Vec3 gradient = HWY_UNLIKELY(ofOpacity || this->Scene.ClipsGradients)
-      ? this->FindSpecialGradient(voxels, at, rows, curve, q, voxel, s, border, ofOpacity, number)
+      ? this->FindSpecialGradient(FindNeighborValues<T>(voxels, at, rows), voxels.IsRepeating(),
+          curve, Copy(q), Copy(voxel), s, border, ofOpacity, number)
       : this->GradientOf(voxels, at, rows, voxel, border);
     return HWY_UNLIKELY(this->Scene.Grid.ChangesGradients())
-      ? this->FindGridGradient(curve, q, voxel, s, lanes, gradient, ofOpacity, number)
+      ? this->FindGridGradient(
+          curve, Copy(q), Copy(voxel), s, lanes, Copy(gradient), ofOpacity, number)
       : gradient;
   }
 
@@ -274,12 +276,14 @@ private:
   }
 
   /// Does what FindGradient() does beside clipping planes, or of the opacity; of plain images.
-  template <class Source>
-  HWY_NOINLINE Vec3 FindSpecialGradient(const Source& voxels, const SamplePosition& at,
-    const SampleRows<T>& rows, const PacketCurve& curve, const Vec3& q, const Vec3& voxel, Vf s,
-    Mf border, bool ofOpacity, int number)
+  /// `of`: the values around the samples, from rows that are `repeating` at faces.
+  HWY_NOINLINE Vec3 FindSpecialGradient(NeighborValues of, bool repeating, const PacketCurve& curve,
+    const Vec3& q, const Vec3& voxel, Vf s, Mf border, bool ofOpacity, int number)
   {
-    NeighborValues of = FindNeighbors<T>(voxels, at, rows, this->Border, voxel, border);
+    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
+    {
+      this->Border.Neighbors(voxel, border, repeating, of);
+    }
     const auto findEnds = [&] { return FindEnds(this->Scene.Volume, voxel); };
     this->FindCounted(curve, q, s, findEnds, ofOpacity, number, of);
     return GradientOfNeighbors(this->Scene.Volume, voxel, border, of);

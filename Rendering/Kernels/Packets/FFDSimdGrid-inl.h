@@ -106,7 +106,7 @@ HWY_NOINLINE inline Vec3 ToVoxels(const PacketGrid& grid, const Vec3& q)
 /// Voxel coordinates of index coordinates, whatever is hidden.
 HWY_INLINE Vec3 FindVoxels(const PacketScene& scene, const Vec3& q)
 {
-  return scene.Grid.Uneven ? ToVoxels(scene.Grid, q) : q;
+  return scene.Grid.Uneven ? ToVoxels(scene.Grid, Copy(q)) : Copy(q);
 }
 
 /// The bits of PacketGrid::Hidden around a cell of each lane.
@@ -169,7 +169,7 @@ HWY_INLINE Mf IsInHiddenCell(const PacketGrid& grid, const Vec3& voxel)
 /// Where scalars on the grid of a mask are looked up.
 HWY_INLINE Vec3 FindMaskPosition(const PacketScene& scene, const Vec3& q)
 {
-  return scene.Mask.SameGrid ? FindVoxels(scene, q) : q;
+  return scene.Mask.SameGrid ? FindVoxels(scene, q) : Copy(q);
 }
 
 /// The lanes of `lanes` whose positions neither a binary mask nor a cell hides.

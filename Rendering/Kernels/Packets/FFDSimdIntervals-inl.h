@@ -41,6 +41,12 @@ struct IntervalPoint
   Vi Integral;   ///< modulo 2^32
 };
 
+/// As Copy() of vectors.
+HWY_INLINE IntervalPoint Copy(const IntervalPoint& point)
+{
+  return { point.Entry, point.Extinction, point.Integral };
+}
+
 /// `values`: as they are fetched; what is no number counts as the first entry.
 HWY_INLINE IntervalPoint FindIntervalPoint(const PacketScene& scene, Vf values)
 {
@@ -238,7 +244,8 @@ private:
         hn::Le(hn::Sub(hn::Min(front, back), difference), Splat(integrals.VisibleHigh))));
     if (!hn::AllFalse(d, sampled))
     {
-      this->Show(curve, n, s, sampled, front, back, known, inner);
+      inner ? this->template Show<false>(curve, n, s, sampled, front, back, known)
+            : this->template Show<true>(curve, n, s, sampled, front, back, known);
     }
   }
 
@@ -249,12 +256,22 @@ private:
       hn::Sub(s, curve.PerStep), hn::Div(hn::Sub(this->Samples.Rays.From, curve.T0), curve.Dt));
   }
 
-  /// Classifies, lights and composites the intervals of the lanes of `sampled`, between two values.
-  /// `known`: whether they begin with the ends of those before.
-  HWY_NOINLINE void Show(
-    const PacketCurve& curve, int n, Vf s, Mf sampled, Vf front, Vf back, bool known, bool inner)
+  /// Intervals whose ends are looked up.
+  struct Interval
   {
-    const Df d;
+    IntervalPoint First;
+    IntervalPoint Last;
+    Vf Begin; ///< on the curve
+    Vf Extent;
+    Vf Length; ///< data units
+    Vf At;     ///< the place, 0 to 1, of the value that tells more of it
+  };
+
+  /// Looks up intervals that end at the samples n, at s of a curve, between two values. `known`:
+  /// whether they begin with the ends of those before.
+  HWY_INLINE Interval FindInterval(
+    const PacketCurve& curve, int n, Vf s, Vf front, Vf back, bool known)
+  {
     const PacketScene& scene = this->Scene;
     const Vf begin = this->FindBegin(curve, s);
     const Vf extent = hn::Sub(s, begin);
@@ -263,66 +280,93 @@ private:
         ? curve.Dt
         : FindLength(scene, curve.Position.Slope(s)));
     // Where the interval before was looked up, this one begins with its end.
-    const IntervalPoint first =
-      known && this->LastPointNumber == n - 1 ? this->LastPoint : FindIntervalPoint(scene, front);
+    const IntervalPoint first = known && this->LastPointNumber == n - 1
+      ? Copy(this->LastPoint)
+      : FindIntervalPoint(scene, front);
     const IntervalPoint last = FindIntervalPoint(scene, back);
-    this->LastPoint = last;
+    this->LastPoint.Entry = last.Entry;
+    this->LastPoint.Extinction = last.Extinction;
+    this->LastPoint.Integral = last.Integral;
     this->LastPointNumber = n;
     const Vf guess = hn::Mul(FindMeanExtinction(scene, first, last), length);
     const Vf place =
       FindPlaceOfLight(hn::Mul(first.Extinction, length), hn::Mul(last.Extinction, length), guess);
-    const Vf at = hn::IfThenElse(hn::Gt(guess, hn::Zero(d)), place, Splat(0.5f));
-    const Vf middle = hn::MulAdd(at, extent, begin);
-    const Vec3 q = this->Samples.ClampToVolume(curve.At(this->Scene, middle));
-    const Vec3 voxel = FindSampledVoxels(scene, q);
-    const auto composite = [&](auto& voxels, const SamplePosition& in, const SampleRows<T>& rows,
-                             Vf value, Mf border) {
-      const ClassifiedIntervals interval =
-        ClassifyIntervals(scene, first, FindIntervalPoint(scene, value), last, at, length);
-      const Mf visible =
-        hn::And(sampled, hn::And(hn::Gt(interval.OpticalDepth, hn::Zero(d)), hn::Eq(value, value)));
-      if (hn::AllFalse(d, visible))
-      {
-        return;
-      }
-      this->Samples.Statistics.VisibleSamples +=
-        static_cast<std::int64_t>(hn::CountTrue(d, visible));
-      this->Samples.State.Expecting = visible;
-      Vec3 color = TableLookup::OfEntries(scene, interval.Entry).Color();
-      if (scene.Shade)
-      {
-        voxels.Widen();
-        const Vec3 gradient = this->Samples.FindGradient(
-          voxels, in, rows, curve, q, voxel, middle, visible, border, scene.NormalsOfOpacity);
-        color = this->Samples.Normals.Light(
-          scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
-      }
-      this->Samples.State.Add(visible, color, Exp2(hn::Neg(interval.OpticalDepth)),
-        curve.TimeAt(hn::MulAdd(interval.Place, extent, begin)),
-        scene.Settings.TerminationTransmittance);
-    };
-    const auto compositeAny = [&] {
-      FetchedSample<T> fetched;
-      FetchSample(scene.Volume, voxel, sampled, this->Samples.Border, fetched);
-      composite(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, fetched.AtBorder);
-    };
-    const auto compositeRows = [&](auto& voxels, const SamplePosition& in, Mf border) {
-      SampleRows<T> rows;
-      const Vf value = Sample<T>(voxels, in, rows);
-      composite(voxels, in, rows, value, border);
-    };
-    if (inner)
+    const Vf at = hn::IfThenElse(hn::Gt(guess, hn::Zero(Df())), place, Splat(0.5f));
+    return { Copy(first), Copy(last), begin, extent, length, at };
+  }
+
+  /// Classifies, lights and composites intervals of the lanes of `sampled`, whose voxels are
+  /// fetched at q, in the voxel coordinates `voxel`; `value`: what they hold there.
+  template <class Source>
+  HWY_INLINE void Composite(Source& voxels, const SamplePosition& in, const SampleRows<T>& rows,
+    Vf value, Mf border, const PacketCurve& curve, const Interval& interval, const Vec3& q,
+    const Vec3& voxel, Mf sampled)
+  {
+    const Df d;
+    const PacketScene& scene = this->Scene;
+    const ClassifiedIntervals classified = ClassifyIntervals(scene, interval.First,
+      FindIntervalPoint(scene, value), interval.Last, interval.At, interval.Length);
+    const Mf visible =
+      hn::And(sampled, hn::And(hn::Gt(classified.OpticalDepth, hn::Zero(d)), hn::Eq(value, value)));
+    if (hn::AllFalse(d, visible))
     {
-      this->Samples.template UseRows<false>(n, voxel, sampled, compositeRows, compositeAny);
+      return;
     }
-    else if (curve.Segment)
+    this->Samples.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
+    this->Samples.State.Expecting = visible;
+    Vec3 color = TableLookup::OfEntries(scene, classified.Entry).Color();
+    if (scene.Shade)
     {
-      this->Samples.template UseRows<true>(n, voxel, sampled, compositeRows, compositeAny);
+      voxels.Widen();
+      const Vf middle = hn::MulAdd(interval.At, interval.Extent, interval.Begin);
+      const Vec3 gradient = this->Samples.FindGradient(
+        voxels, in, rows, curve, q, voxel, middle, visible, border, scene.NormalsOfOpacity);
+      color = this->Samples.Normals.Light(
+        scene.Surface, curve, q, color, gradient, middle, curve.TimeAt(middle));
     }
-    else
+    this->Samples.State.Add(visible, color, Exp2(hn::Neg(classified.OpticalDepth)),
+      curve.TimeAt(hn::MulAdd(classified.Place, interval.Extent, interval.Begin)),
+      scene.Settings.TerminationTransmittance);
+  }
+
+  /// Does what Show() does where the voxels are not in reach of a source of rows.
+  HWY_NOINLINE void ShowFetched(const PacketCurve& curve, const Interval& interval, const Vec3& q,
+    const Vec3& voxel, Mf sampled)
+  {
+    FetchedSample<T> fetched;
+    FetchSample(this->Scene.Volume, voxel, sampled, this->Samples.Border, fetched);
+    this->Composite(fetched.Voxels, fetched.At, fetched.Rows, fetched.Value, fetched.AtBorder,
+      curve, interval, q, voxel, sampled);
+  }
+
+  /// Classifies, lights and composites the intervals of the lanes of `sampled`, between two values,
+  /// as FindInterval(). Without `AtFaces` all voxels that they and their gradients need must exist.
+  template <bool AtFaces>
+  HWY_NOINLINE void Show(
+    const PacketCurve& curve, int n, Vf s, Mf sampled, Vf front, Vf back, bool known)
+  {
+    const Interval interval = this->FindInterval(curve, n, s, front, back, known);
+    const Vec3 q = this->Samples.ClampToVolume(
+      curve.At(this->Scene, hn::MulAdd(interval.At, interval.Extent, interval.Begin)));
+    const Vec3 voxel = FindSampledVoxels(this->Scene, q);
+    const auto otherwise = [&]() FFD_INLINE_LAMBDA {
+      this->ShowFetched(curve,
+        { Copy(interval.First), Copy(interval.Last), interval.Begin, interval.Extent,
+          interval.Length, interval.At },
+        Copy(q), Copy(voxel), sampled);
+    };
+    if (AtFaces && !curve.Segment)
     {
-      compositeAny();
+      return otherwise();
     }
+    this->Samples.template UseRows<AtFaces>(
+      n, voxel, sampled,
+      [&](auto& voxels, const SamplePosition& in, Mf border) FFD_INLINE_LAMBDA {
+        SampleRows<T> rows;
+        const Vf value = Sample<T>(voxels, in, rows);
+        this->Composite(voxels, in, rows, value, border, curve, interval, q, voxel, sampled);
+      },
+      otherwise);
   }
 
   /// Values where the intervals that end at the samples n begin, if the samples before were not

@@ -13,71 +13,101 @@
 
 #include "FFDSimdMath-inl.h"
 
+#include <cstddef>
+
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
 namespace HWY_NAMESPACE
 {
 
-/// Finds the voxels of a mask that are nearest to positions q, index coordinates of the volume:
-/// their places in rows, and these by number, through all slices; -1 outside of a mask on a grid of
-/// its own.
-HWY_INLINE void FindMaskVoxels(
-  const PacketMask& mask, const Vec3& q, int (&places)[16], int (&rows)[16])
+/// The voxels of a mask that are nearest to positions.
+struct MaskVoxels
+{
+  Vi X;
+  Vi Row;     ///< by number, through all slices
+  Mf Outside; ///< lanes that are outside of a mask on a grid of its own
+};
+
+/// Finds those of positions q, index coordinates of the volume.
+HWY_INLINE MaskVoxels FindMaskVoxels(const PacketMask& mask, const Vec3& q)
 {
   const Df d;
-  const Di di;
   const Vec3 at = mask.SameGrid ? q : Add(Transform(mask.FromIndex, q), Broadcast(mask.Offset));
   const Vf half = Splat(0.5f);
   Mf outside = hn::FirstN(d, 0);
-  const auto find = [&](Vf x, int a) {
+  const auto find = [&](Vf x, int a) FFD_INLINE_LAMBDA {
     const Vf last = Splat(static_cast<float>(mask.Dimensions[a] - 1));
-    outside = hn::Or(outside, hn::Or(hn::Lt(x, hn::Neg(half)), hn::Gt(x, hn::Add(last, half))));
+    if (!mask.SameGrid)
+    {
+      outside = hn::Or(outside, hn::Or(hn::Lt(x, hn::Neg(half)), hn::Gt(x, hn::Add(last, half))));
+    }
     return Truncate(Clamp(hn::Add(x, half), hn::Zero(d), last));
   };
   const Vi x = find(at.x, 0);
   const Vi y = find(at.y, 1);
-  Vi row = hn::Add(y, hn::Mul(find(at.z, 2), hn::Set(di, mask.Dimensions[1])));
-  if (!mask.SameGrid)
-  {
-    row = hn::IfThenElse(hn::RebindMask(di, outside), hn::Set(di, -1), row);
-  }
-  StoreIndices(x, places);
-  StoreIndices(row, rows);
+  const Vi z = find(at.z, 2);
+  return { x, hn::Add(y, hn::Mul(z, hn::Set(Di(), mask.Dimensions[1]))), outside };
 }
 
-/// Returns function(scalar of the mask at the voxel nearest to q) of each lane, a number; 0 outside
-/// of the mask.
-template <class Number, class Function>
-HWY_INLINE auto LookUpMask(const PacketMask& mask, const Vec3& q, const Function& function)
+/// Returns function(scalar of the mask at the voxel nearest to q) of each lane, a whole number; 0
+/// outside of the mask.
+template <class Function>
+HWY_INLINE Vi LookUpMask(const PacketMask& mask, const Vec3& q, const Function& function)
 {
-  const hn::Rebind<Number, Df> d;
-  HWY_ALIGN int places[16];
+  const Di di;
+  const MaskVoxels voxels = FindMaskVoxels(mask, q);
+  HWY_ALIGN int places[16]; // in rows, or in all of the mask
   HWY_ALIGN int rows[16];
-  FindMaskVoxels(mask, q, places, rows);
-  HWY_ALIGN Number numbers[16];
+  StoreIndices(voxels.Row, rows);
+  StoreIndices(mask.InReach
+      ? hn::Add(voxels.X, hn::Mul(voxels.Row, hn::Set(di, static_cast<int>(mask.RowIncrement))))
+      : voxels.X,
+    places);
+  HWY_ALIGN int numbers[16];
   DispatchScalarType(mask.Type, [&](auto zero) {
     const auto* const scalars = static_cast<const decltype(zero)*>(mask.Scalars);
-    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+    const auto find = [&](const auto& placeOf) {
+      for (std::size_t lane = 0; lane < hn::Lanes(di); ++lane)
+      {
+        numbers[lane] = function(scalars[placeOf(lane)]);
+      }
+    };
+    if (HWY_LIKELY(mask.InReach))
     {
-      const std::ptrdiff_t at = places[lane] + rows[lane] * mask.RowIncrement;
-      numbers[lane] = rows[lane] >= 0 ? function(scalars[at]) : Number(0);
+      find([&](std::size_t lane) { return places[lane]; });
+    }
+    else
+    {
+      find([&](std::size_t lane) { return places[lane] + rows[lane] * mask.RowIncrement; });
     }
   });
-  return hn::Load(d, numbers);
+  return hn::IfThenZeroElse(hn::RebindMask(di, voxels.Outside), hn::Load(di, numbers));
 }
 
 /// Lanes that are inside of a binary mask.
 HWY_NOINLINE inline Mf IsInMask(const PacketMask& mask, const Vec3& q)
 {
-  const Vf inside = LookUpMask<float>(mask, q, [](auto value) { return value > 0 ? 1.0f : 0.0f; });
-  return hn::Gt(inside, hn::Zero(Df()));
+  const Vi inside = LookUpMask(mask, q, [](auto value) { return value > 0 ? 1 : 0; });
+  return hn::RebindMask(Df(), hn::Gt(inside, hn::Zero(Di())));
 }
 
 /// Numbers of the tables in PacketScene::Table of the labels at positions.
 HWY_NOINLINE inline Vi FindLabelTables(const PacketMask& mask, const Vec3& q)
 {
-  return LookUpMask<int>(mask, q, [&](auto label) { return mask.TableOf(label); });
+  const Di di;
+  const Vi labels = LookUpMask(mask, q, [&](auto scalar) { return mask.LabelOf(scalar); });
+  if (HWY_LIKELY(IsCommon(labels)))
+  {
+    return hn::Set(di, mask.TableOf(hn::GetLane(labels)));
+  }
+  HWY_ALIGN int numbers[16];
+  hn::Store(labels, di, numbers);
+  for (std::size_t lane = 0; lane < hn::Lanes(di); ++lane)
+  {
+    numbers[lane] = mask.TableOf(numbers[lane]);
+  }
+  return hn::Load(di, numbers);
 }
 
 } // namespace HWY_NAMESPACE

@@ -253,6 +253,13 @@ HWY_INLINE void StoreIndices(Vi indices, int (&to)[16])
 #endif
 }
 
+/// Whether a number is the same in all lanes.
+HWY_INLINE bool IsCommon(Vi numbers)
+{
+  const Di di;
+  return hn::AllTrue(di, hn::Eq(numbers, hn::Set(di, hn::GetLane(numbers))));
+}
+
 /// Four words of every lane.
 struct Quads
 {

@@ -25,20 +25,6 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// The opacity over the unit distance of what has an extinction times that distance.
-HWY_INLINE Vf OpacityOfDepth(Vf depth)
-{
-  // The opacity is a difference from one, of which little is left where it is small; gradients are
-  // differences of that.
-  const Vf one = Splat(1.0f);
-  const Vf y = hn::Mul(depth, Splat(0.69314718f));
-  const Vf series = hn::Mul(y,
-    hn::NegMulAdd(y,
-      hn::NegMulAdd(y, hn::NegMulAdd(y, Splat(1.0f / 24.0f), Splat(1.0f / 6.0f)), Splat(0.5f)),
-      one));
-  return hn::IfThenElse(hn::Lt(depth, Splat(0.0625f)), series, hn::Sub(one, Exp2(hn::Neg(depth))));
-}
-
 /// The opacity over the unit distance of values of one component, or of densities of one of
 /// several, as SampleClassifier::ClassifyValue().
 HWY_NOINLINE inline Vf OpacityOfValues(
@@ -46,12 +32,7 @@ HWY_NOINLINE inline Vf OpacityOfValues(
 {
   const bool several = scene.Volume.Components > 1;
   const PacketPlane& plane = several ? scene.Components[component].Plane : scene.Plane;
-  if (plane.Texels)
-  {
-    return FindOpacityOfLastRow(plane, values);
-  }
-  const float unit = several ? scene.Components[component].UnitDistance : scene.UnitDistance;
-  return OpacityOfDepth(hn::Mul(FindExtinction(scene, values, component), Splat(unit)));
+  return plane.Texels ? FindOpacityOfLastRow(plane, values) : FindOpacity(scene, values, component);
 }
 
 /// Returns opacity(values) of values around samples.
@@ -65,20 +46,6 @@ HWY_INLINE NeighborValues OpacitiesOf(const NeighborValues& of, const Opacity& o
     result.Before[a] = opacity(of.Before[a]);
   }
   return result;
-}
-
-/// The values around the samples q of one component. `atBorder`: lanes at faces, of which `border`
-/// knows; its last samples are forgotten.
-template <class T, class Source>
-HWY_INLINE NeighborValues FindNeighbors(const Source& source, const SamplePosition& at,
-  const SampleRows<T>& rows, BorderSamples<T>& border, const Vec3& q, Mf atBorder)
-{
-  NeighborValues of = FindNeighborValues<T>(source, at, rows);
-  if (HWY_UNLIKELY(!hn::AllFalse(Df(), atBorder)))
-  {
-    border.Neighbors(q, atBorder, source.IsRepeating(), of);
-  }
-  return of;
 }
 
 } // namespace HWY_NAMESPACE

@@ -114,6 +114,10 @@ HWY_INLINE Vf FactorOf(const PacketMask& mask, std::size_t table, const Vec3& gr
 /// Factors of opacities by the gradient opacities of the tables of labels, one table a lane.
 HWY_INLINE Vf FactorOf(const PacketMask& mask, Vi tables, const Vec3& gradient)
 {
+  if (HWY_LIKELY(IsCommon(tables)))
+  {
+    return FactorOf(mask, static_cast<std::size_t>(hn::GetLane(tables)), gradient);
+  }
   const Df d;
   const Quads range =
     LoadQuads(reinterpret_cast<const std::uint32_t*>(mask.GradientRanges.data()), tables);

@@ -194,11 +194,11 @@ public:
     Vf value = hn::Zero(Df());
     this->template UseRows<false>(
       n, q, lanes,
-      [&](auto& voxels, const SamplePosition& at, Mf) {
+      [&](auto& voxels, const SamplePosition& at, Mf) FFD_INLINE_LAMBDA {
         SampleRows<T> rows;
         value = Sample<T>(voxels, at, rows);
       },
-      [&] { value = this->FindVoxelValue(q, lanes); });
+      [&]() FFD_INLINE_LAMBDA { value = this->FindVoxelValue(q, lanes); });
     return value;
   }
 
@@ -318,7 +318,7 @@ public:
   HWY_INLINE void UseRows(
     int n, const Vec3& voxel, Mf sampled, const Use& use, const Otherwise& otherwise)
   {
-    this->template WithWindow<AtFaces>([&](auto fit) {
+    this->template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
       constexpr WindowFit Fit = decltype(fit)::value;
       if (Fit == WindowFit::None && (AtFaces || HWY_UNLIKELY(this->Scene.Volume.SlicesInReach > 0)))
       {

@@ -275,7 +275,7 @@ private:
     shown = hn::And(shown, IsShown(this->Scene, this->Samples.Rays, curve, q, s));
     if (this->Scene.HidesSamples && !hn::AllFalse(d, shown))
     {
-      shown = LeaveOutHidden(this->Scene, q, shown);
+      shown = LeaveOutHidden(this->Scene, Copy(q), shown);
     }
     if (hn::AllFalse(d, shown))
     {

@@ -53,6 +53,11 @@ public:
   /// `tables`: number of the table of each lane.
   HWY_INLINE TableLookup(const PacketScene& scene, Vf values, Vi tables)
   {
+    if (HWY_LIKELY(IsCommon(tables)))
+    {
+      *this = TableLookup(scene, values, static_cast<std::size_t>(hn::GetLane(tables)));
+      return;
+    }
     const Df d;
     const Quads range =
       LoadQuads(reinterpret_cast<const std::uint32_t*>(scene.Table.GetRanges()), tables);
@@ -107,8 +112,9 @@ private:
   Quads Words;
 };
 
-/// TableLookup::Extinction() of a table of which no color is needed.
-HWY_INLINE Vf FindExtinction(const PacketScene& scene, Vf values, std::size_t table = 0)
+/// Opacities of values by PacketTable::GetOpacities(); of what is no number that of the first
+/// entry.
+HWY_INLINE Vf FindOpacity(const PacketScene& scene, Vf values, std::size_t table)
 {
   const Df d;
   const PacketTable::Range& range = scene.Table.GetRange(table);
@@ -117,9 +123,10 @@ HWY_INLINE Vf FindExtinction(const PacketScene& scene, Vf values, std::size_t ta
   const Vf whole = hn::Min(hn::Floor(entry), Splat(range.Intervals - 1.0f));
   HWY_ALIGN int offsets[16];
   StoreIndices(hn::Add(hn::Set(Di(), range.First), Truncate(whole)), offsets);
-  const Pairs pair = LoadPairLanes<16>(scene.Table.GetWords(), 0, offsets);
+  const Pairs ends =
+    LoadPairLanes<sizeof(PacketTable::OpacityPair)>(scene.Table.GetOpacities(), 0, offsets);
   return hn::Max(
-    hn::Zero(d), Lerp(hn::BitCast(d, pair.x), hn::BitCast(d, pair.y), hn::Sub(entry, whole)));
+    hn::Zero(d), Lerp(hn::BitCast(d, ends.x), hn::BitCast(d, ends.y), hn::Sub(entry, whole)));
 }
 
 } // namespace HWY_NAMESPACE
