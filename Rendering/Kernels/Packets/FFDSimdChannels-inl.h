@@ -101,19 +101,28 @@ public:
     this->Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(Df(), visible));
   }
 
-  /// Whether TakePart() can take samples of a segment. Those of several channels are fetched
-  /// together: that costs less than to look up each by itself.
+  /// Whether TakePart() can take samples of a segment. Those of more than two channels are fetched
+  /// lane by lane: that costs less than to look up each by itself.
   template <bool AtFaces>
   HWY_INLINE bool HasLoop() const
   {
-    return this->Scene.InnerChannels && (this->Wanted & (this->Wanted - 1u)) == 0 &&
+    return this->Scene.InnerChannels && (this->IsOneWanted() || this->Scene.Channels.size() == 2) &&
       this->Samples.template HasComponentWindow<AtFaces>();
   }
 
-  /// Takes extremes as PacketBlending::TakePart(), of the channel that is wanted.
+  /// Takes extremes as PacketBlending::TakePart(), of the channels that are wanted.
   template <bool AtFaces>
   HWY_INLINE int TakePart(const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
+    if (!this->IsOneWanted())
+    {
+      return this->Samples.template ForPairsOfValues<AtFaces>(curve, numbers, from, to,
+        [&](int, Vf s, Mf sampled, Vf first, Vf second) FFD_INLINE_LAMBDA {
+          this->Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(Df(), sampled));
+          this->TakeExtreme(0, curve, first, s, sampled);
+          this->TakeExtreme(1, curve, second, s, sampled);
+        });
+    }
     const std::size_t c = hwy::Num0BitsBelowLS1Bit_Nonzero32(this->Wanted);
     return this->Samples.template ForComponentValues<AtFaces>(curve, numbers, from, to,
       this->Scene.Channels[c].Component, [&](int, Vf s, Mf sampled, Vf value) FFD_INLINE_LAMBDA {
@@ -169,6 +178,8 @@ private:
     const PacketChannel& of = this->Scene.Channels[channel];
     return this->Scene.Source->Blend.Mode == BlendMode::Maximum ? of.High : -of.Low;
   }
+
+  bool IsOneWanted() const { return (this->Wanted & (this->Wanted - 1u)) == 0; }
 
   bool IsDependent() const { return this->Scene.KindOfComponents != ComponentKind::Independent; }
 

@@ -85,6 +85,22 @@ public:
       });
   }
 
+  /// Calls use(n, s, sampled, first, second) with the values of both of two components.
+  template <bool AtFaces, class Use>
+  HWY_INLINE int ForPairsOfValues(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to, const Use& use)
+  {
+    return this->template WithWindow<AtFaces>([&](auto fit) FFD_INLINE_LAMBDA {
+      static_cast<void>(use);
+      if constexpr (decltype(fit)::value != WindowFit::None)
+      {
+        return this->template ForPairsOfValues<AtFaces, decltype(fit)::value>(
+          curve, numbers, from, to, use);
+      }
+      return 0;
+    });
+  }
+
   /// Returns use(components, fit), both as constants, where HasComponentWindow() is true.
   template <bool AtFaces, class Use>
   HWY_INLINE int WithComponentWindow(const Use& use)
@@ -382,6 +398,37 @@ private:
   HWY_NOINLINE int ForComponentValues(const PacketCurve& curve, const SampleNumbers& numbers,
     int from, int to, int component, const Use& use)
   {
+    return this->template ForCells<AtFaces>(curve, numbers, from, to,
+      [&](int n, Vf s, Mf sampled, const SampleCells& cells, const SamplePosition& at)
+        FFD_INLINE_LAMBDA {
+          const WindowRows<T, Fit, AtFaces, Components> voxels(this->Window, cells, component);
+          SampleRows<T> rows;
+          use(n, s, sampled, Sample<T>(voxels, at, rows));
+        });
+  }
+
+  /// ForPairsOfValues() with windows of one kind.
+  template <bool AtFaces, WindowFit Fit, class Use>
+  HWY_NOINLINE int ForPairsOfValues(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to, const Use& use)
+  {
+    return this->template ForCells<AtFaces>(curve, numbers, from, to,
+      [&](int n, Vf s, Mf sampled, const SampleCells& cells, const SamplePosition& at)
+        FFD_INLINE_LAMBDA {
+          const WindowPair<T, Fit, AtFaces> voxels(this->Window, cells);
+          SampleRows<T> rows;
+          const Vf first = Sample<T>(voxels.First, at, rows);
+          use(n, s, sampled, first, Sample<T>(voxels.Second, at, rows));
+        });
+  }
+
+  /// Moves the window to the samples from `from` on, before `to`, and calls use(n, s, sampled,
+  /// cells, at) for those that are in the volume and not cropped, as
+  /// PacketCompositor::TakeSamples().
+  template <bool AtFaces, class Use>
+  HWY_INLINE int ForCells(
+    const PacketCurve& curve, const SampleNumbers& numbers, int from, int to, const Use& use)
+  {
     for (int n = from; n < to; ++n)
     {
       const Vf s = numbers.FindPlaces(curve, n);
@@ -396,9 +443,7 @@ private:
       const SamplePosition at =
         FindCells(this->Scene.Volume, FindSampledVoxels(this->Scene, q), !AtFaces, cells);
       this->Window.template MoveTo<AtFaces>(n);
-      const WindowRows<T, Fit, AtFaces, Components> voxels(this->Window, cells, component);
-      SampleRows<T> rows;
-      use(n, s, sampled, Sample<T>(voxels, at, rows));
+      use(n, s, sampled, cells, at);
       if (HWY_UNLIKELY(hn::AllFalse(Df(), this->State.Alive)))
       {
         return n;

@@ -67,6 +67,9 @@ enum class WindowFit
 template <class T, WindowFit Fit, bool AtFaces = false, int Components = 1>
 class WindowRows;
 
+template <class T, WindowFit Fit, bool AtFaces>
+class WindowPair;
+
 #if FFD_HAS_VOXEL_WINDOWS
 /// A slab of a window, 8 x 8 voxels along x and y, in registers, row by row.
 template <class T>
@@ -89,6 +92,15 @@ constexpr int WindowRowsAlongY()
 HWY_INLINE __m512i JoinHalves(__m256i low, __m256i high)
 {
   return _mm512_inserti64x4(_mm512_castsi256_si512(low), high, 1);
+}
+
+/// Two rows of 16 bytes.
+HWY_INLINE __m256i LoadTwo(const void* row, const void* next)
+{
+  const auto load = [](const void* from) {
+    return _mm_loadu_si128(static_cast<const __m128i*>(from));
+  };
+  return _mm256_inserti128_si256(_mm256_castsi128_si256(load(row)), load(next), 1);
 }
 
 /// Which lanes are in the third or fourth layer of a window.

@@ -60,6 +60,17 @@ public:
     }
   }
 
+  /// Does what LoadCells() does of both components of a volume of two.
+  template <class Addresses>
+  static HWY_INLINE void LoadBoth(
+    const PacketVolume&, const Addresses& voxels, int slab, WindowSlab& first, WindowSlab& second)
+  {
+    const __m512i low = LoadFour(voxels, slab, 0);
+    const __m512i high = LoadFour(voxels, slab, 4);
+    first.Rows = KeepBytes(low, high, 0);
+    second.Rows = KeepBytes(low, high, 1);
+  }
+
   __m512i Rows;
 
 private:
@@ -70,16 +81,7 @@ private:
     static_assert(Components == 2 || Components == 4, "rows fill registers");
     if constexpr (Components == 2)
     {
-      // Four rows of 16 bytes.
-      const auto two = [&](int row) FFD_INLINE_LAMBDA {
-        const auto load = [&](int k) FFD_INLINE_LAMBDA {
-          return _mm_loadu_si128(reinterpret_cast<const __m128i*>(voxels.Get(slab, k)));
-        };
-        return _mm256_inserti128_si256(_mm256_castsi128_si256(load(row)), load(row + 1), 1);
-      };
-      const auto load = [&](int row)
-                          FFD_INLINE_LAMBDA { return JoinHalves(two(row), two(row + 2)); };
-      this->Rows = KeepBytes(load(0), load(4), component);
+      this->Rows = KeepBytes(LoadFour(voxels, slab, 0), LoadFour(voxels, slab, 4), component);
     }
     else
     {
@@ -94,6 +96,16 @@ private:
       this->Rows = KeepBytes(
         KeepBytes(load(0), load(2), which), KeepBytes(load(4), load(6), which), component / 2);
     }
+  }
+
+  /// Four rows of 16 bytes.
+  template <class Addresses>
+  static HWY_INLINE __m512i LoadFour(const Addresses& voxels, int slab, int first)
+  {
+    const auto two = [&](int row) FFD_INLINE_LAMBDA {
+      return LoadTwo(voxels.Get(slab, row), voxels.Get(slab, row + 1));
+    };
+    return JoinHalves(two(first), two(first + 2));
   }
 
   static HWY_INLINE __m128i Load(const std::uint8_t* row)

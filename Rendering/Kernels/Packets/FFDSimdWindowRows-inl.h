@@ -101,40 +101,9 @@ public:
   /// `window`: moved to the sample, which `cells` are of. `component`: whose voxels are looked up.
   HWY_INLINE WindowRows(
     const VoxelWindow<T>& window, const SampleCells& cells, int component = Components - 1)
-    : Volume(window.Volume)
-    , Component(component)
-    , Voxels(window.Volume, _mm_cvtsi128_si32(window.Corner), _mm_extract_epi32(window.Corner, 1),
-        _mm_extract_epi32(window.Corner, 2))
+    : WindowRows(window, cells, component, Empty())
   {
-    const Di di;
-    const int y = _mm_extract_epi32(window.Corner, 1);
-    const int z = _mm_extract_epi32(window.Corner, 2);
-    if constexpr (!AtFaces)
-    {
-      // Nothing is read there: it may lie outside of the volume.
-      const std::uintptr_t next = reinterpret_cast<std::uintptr_t>(this->Voxels.Get(0, 0)) +
-        static_cast<std::uintptr_t>(window.ToNextSlab);
-      const std::ptrdiff_t step = sizeof(T) * std::ptrdiff_t{ window.Volume.IncrementY };
-      for (int row = 0; row < VoxelWindow<T>::Side; ++row)
-      {
-        const std::uintptr_t at = next + static_cast<std::uintptr_t>(row * step);
-        Prefetch(at);
-        // Rows may end in the line behind the one that they begin in. Longer ones do not gain.
-        if constexpr (RowBytes > LineBytes / 4 && RowBytes <= LineBytes)
-        {
-          Prefetch(at + RowBytes - 1);
-        }
-      }
-    }
-    const int corner = this->Voxels.GetFirstX() + 1 + 8 * (y - 1);
-    this->Places = { hn::Add(hn::ShiftLeft<3>(cells.Y), hn::Sub(cells.X, hn::Set(di, corner))),
-      hn::Sub(cells.Z, hn::Set(di, z)) };
-    if constexpr (AtFaces)
-    {
-      // Before the first voxel and behind the last one these are repeated.
-      this->Places.Repeat(_mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_setzero_si512()),
-        _mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_set1_epi32(window.Volume.Dimensions[0] - 2)));
-    }
+    this->FetchAhead(window);
     for (int k = 1; k < NumberOfSlabs - 1; ++k)
     {
       this->LoadCells(k);
@@ -165,6 +134,35 @@ public:
   }
 
 private:
+  template <class, WindowFit, bool>
+  friend class WindowPair;
+
+  /// Tells that no voxels are loaded.
+  struct Empty
+  {
+  };
+
+  HWY_INLINE WindowRows(
+    const VoxelWindow<T>& window, const SampleCells& cells, int component, Empty)
+    : Volume(window.Volume)
+    , Component(component)
+    , Voxels(window.Volume, _mm_cvtsi128_si32(window.Corner), _mm_extract_epi32(window.Corner, 1),
+        _mm_extract_epi32(window.Corner, 2))
+  {
+    const Di di;
+    const int y = _mm_extract_epi32(window.Corner, 1);
+    const int z = _mm_extract_epi32(window.Corner, 2);
+    const int corner = this->Voxels.GetFirstX() + 1 + 8 * (y - 1);
+    this->Places = { hn::Add(hn::ShiftLeft<3>(cells.Y), hn::Sub(cells.X, hn::Set(di, corner))),
+      hn::Sub(cells.Z, hn::Set(di, z)) };
+    if constexpr (AtFaces)
+    {
+      // Before the first voxel and behind the last one these are repeated.
+      this->Places.Repeat(_mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_setzero_si512()),
+        _mm512_cmpeq_epi32_mask(cells.X.raw, _mm512_set1_epi32(window.Volume.Dimensions[0] - 2)));
+    }
+  }
+
   static constexpr std::size_t RowBytes = VoxelWindow<T>::Side * Components * sizeof(T);
   static constexpr std::size_t LineBytes = 64; ///< of caches
 
@@ -174,6 +172,28 @@ private:
   static HWY_INLINE void Prefetch(std::uintptr_t at)
   {
     _mm_prefetch(reinterpret_cast<const char*>(at), _MM_HINT_T0);
+  }
+
+  /// Fetches the slab that comes in some samples later.
+  HWY_INLINE void FetchAhead(const VoxelWindow<T>& window) const
+  {
+    if constexpr (!AtFaces)
+    {
+      // Nothing is read there: it may lie outside of the volume.
+      const std::uintptr_t next = reinterpret_cast<std::uintptr_t>(this->Voxels.Get(0, 0)) +
+        static_cast<std::uintptr_t>(window.ToNextSlab);
+      const std::ptrdiff_t step = sizeof(T) * std::ptrdiff_t{ this->Volume.IncrementY };
+      for (int row = 0; row < VoxelWindow<T>::Side; ++row)
+      {
+        const std::uintptr_t at = next + static_cast<std::uintptr_t>(row * step);
+        Prefetch(at);
+        // Rows may end in the line behind the one that they begin in. Longer ones do not gain.
+        if constexpr (RowBytes > LineBytes / 4 && RowBytes <= LineBytes)
+        {
+          Prefetch(at + RowBytes - 1);
+        }
+      }
+    }
   }
 
   HWY_INLINE void LoadCells(int slab)
@@ -187,6 +207,30 @@ private:
   WindowAddresses<T, AtFaces> Voxels;   ///< from one before the first cell along each axis
   WindowPlaces<T, Fit, AtFaces> Places; ///< of the rows at (0, 0)
   WindowSlab<T> Slabs[NumberOfSlabs];
+};
+
+/// The rows of both components of a volume of two, whose voxels are loaded together.
+template <class T, WindowFit Fit, bool AtFaces>
+class WindowPair
+{
+public:
+  using Rows = WindowRows<T, Fit, AtFaces, 2>;
+
+  /// As WindowRows.
+  HWY_INLINE WindowPair(const VoxelWindow<T>& window, const SampleCells& cells)
+    : First(window, cells, 0, typename Rows::Empty())
+    , Second(window, cells, 1, typename Rows::Empty())
+  {
+    this->First.FetchAhead(window);
+    for (int k = 1; k < Rows::NumberOfSlabs - 1; ++k)
+    {
+      WindowSlab<T>::LoadBoth(
+        this->First.Volume, this->First.Voxels, k, this->First.Slabs[k], this->Second.Slabs[k]);
+    }
+  }
+
+  Rows First;
+  Rows Second;
 };
 #endif
 

@@ -39,8 +39,7 @@ public:
       {
         static_cast<void>(component);
         const auto two = [&](int row) FFD_INLINE_LAMBDA {
-          return _mm256_inserti128_si256(_mm256_castsi128_si256(Load(voxels.Get(slab, row))),
-            Load(voxels.Get(slab, row + 1)), 1);
+          return LoadTwo(voxels.Get(slab, row), voxels.Get(slab, row + 1));
         };
         const auto one = [&](int row) FFD_INLINE_LAMBDA {
           return _mm256_broadcastsi128_si256(Load(voxels.Get(slab, row)));
@@ -68,6 +67,15 @@ public:
       const __m512i same = _mm512_broadcast_i32x4(Load(voxels.Get(slab, row)));
       this->Rows[half] = _mm512_mask_mov_epi64(this->Rows[half], MaskOf(row), ToSigned(v, same));
     }
+  }
+
+  /// Does what LoadCells() does of both components of a volume of two.
+  template <class Addresses>
+  static HWY_INLINE void LoadBoth(
+    const PacketVolume& v, const Addresses& voxels, int slab, WindowSlab& first, WindowSlab& second)
+  {
+    first.template LoadCells<2>(v, voxels, slab, 0);
+    second.template LoadCells<2>(v, voxels, slab, 1);
   }
 
   __m512i Rows[2];
