@@ -83,7 +83,7 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
   }
   p.RowIncrement = mask.Volume.Increments[1];
   p.InReach = static_cast<double>(p.RowIncrement) * p.Dimensions[1] * p.Dimensions[2] <=
-    std::numeric_limits<int>::max();
+    scene.Settings.LargestReach;
   p.SameGrid = mask.SameGrid;
   CopyRows(classifier.GetToMask(), p.FromIndex);
   Copy(classifier.GetMaskOffset(), p.Offset);
