@@ -18,6 +18,7 @@
 #include <cfenv>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <random>
@@ -229,14 +230,25 @@ public:
   {
     Blending& blend = this->Scene.Blend;
     blend.Mode = mode;
-    blend.Low[0] = 0.0;
-    blend.High[0] = 100.0;
+    std::fill(std::begin(blend.Low), std::end(blend.Low), 0.0);
+    std::fill(std::begin(blend.High), std::end(blend.High), 100.0);
     blend.AverageMin = 30.0;
     blend.AverageMax = 70.0;
     blend.IsoValues = { { 25.0, glm::vec3(0.2f, 0.7f, 0.9f), 0.3f },
       { 60.5, glm::vec3(0.9f, 0.5f, 0.1f), 0.8f } };
     blend.SliceOrigin = glm::dvec3(119.0, -32.0, 26.0);
     blend.SliceNormal = glm::normalize(glm::dvec3(1.0, 2.0, 4.0));
+  }
+
+  /// Makes neighbors along x components of one voxel.
+  void SplitIntoComponents()
+  {
+    VolumeView& volume = this->Scene.Volume;
+    volume.Components = 2;
+    volume.Dimensions.x /= 2;
+    volume.Increments[0] = 2;
+    volume.IndexToData[0].x = 2.0;
+    volume.DataToIndex = glm::inverse(volume.IndexToData);
   }
 
   struct Picture
@@ -773,12 +785,7 @@ TEST(PacketCaster, LooksOfAllTargets)
         VolumeView& volume = scene.Scene.Volume;
         if (components == 2)
         {
-          // Neighbors along x are components of one voxel.
-          volume.Components = 2;
-          volume.Dimensions.x /= 2;
-          volume.Increments[0] = 2;
-          volume.IndexToData[0].x = 2.0;
-          volume.DataToIndex = glm::inverse(volume.IndexToData);
+          scene.SplitIntoComponents();
         }
         scene.SetDeformation(1.0, PullBackKind::Exact);
         std::vector<unsigned char> marks(static_cast<std::size_t>(
@@ -889,6 +896,42 @@ TEST(PacketCaster, LooksOfAllTargets)
         });
       }
     }
+  }
+}
+
+TEST(PacketCaster, ExtremesOfTwoComponents)
+{
+  for (const ScalarType type :
+    { ScalarType::UInt8, ScalarType::Int16, ScalarType::Float32, ScalarType::Float64 })
+  {
+    SCOPED_TRACE("type " + std::to_string(static_cast<int>(type)));
+    TestScene scene(type, 4);
+    // Rays near each other find their voxels in windows.
+    scene.SetCamera(true, 90, 74);
+    scene.SetBlendMode(BlendMode::Maximum);
+    scene.Settings.Leaping = SpaceLeaping::Off;
+    scene.SplitIntoComponents();
+    scene.SetDeformation(1.0, PullBackKind::Exact);
+    OpticalFunctions functions;
+    functions.Components.resize(2);
+    for (const std::size_t c : { 1, 0 })
+    {
+      scene.SetLeastVisible(c == 0 ? 20.0 : 45.0);
+      functions.Components[c].Table = *scene.Scene.Table;
+    }
+    ClassifierInputs inputs;
+    inputs.Volume = scene.Scene.Volume;
+    inputs.Functions = &functions;
+    inputs.Material = &scene.Scene.Material;
+    const SampleClassifier classifier(inputs);
+    scene.Scene.Classifier = &classifier;
+    const TestScene::Picture reference = scene.Render(true);
+    EXPECT_GT(reference.Statistics.VisibleSamples, 500);
+    ForEveryTarget([&] {
+      const TestScene::Picture packets = scene.Render(false);
+      EXPECT_LT(Compare(packets.Colors, reference.Colors).Mean, 0.01);
+      EXPECT_LT(Compare(packets.Depths, reference.Depths).Mean, 0.01);
+    });
   }
 }
 
