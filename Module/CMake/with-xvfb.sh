@@ -45,8 +45,10 @@ if ! [ -s "$scratch/display" ]; then
 fi
 
 # Open MPI keeps folders named by a number of 15 bits, and those of processes that were killed remain:
-# here they are those of one command, and go with it.
+# here they are those of one command, and go with it. Its daemon, which outlives a command of a single
+# process by a moment, deletes its own files there too; PMIx reports each that is gone before (openpmix,
+# _esh_dir_del), so it keeps its data in memory.
 status=0
-env -u WAYLAND_DISPLAY -u XAUTHORITY OMPI_MCA_orte_tmpdir_base="$scratch" \
+env -u WAYLAND_DISPLAY -u XAUTHORITY OMPI_MCA_orte_tmpdir_base="$scratch" PMIX_MCA_gds=hash \
   DISPLAY=":$(tr -d '[:space:]' <"$scratch/display")" LIBGL_ALWAYS_SOFTWARE=1 "$@" || status=$?
 exit "$status"
