@@ -37,6 +37,15 @@ TransferPlane::TransferPlane(int width, int height, const float* rgba, const glm
   {
     this->VisibleUpTo[x + 1] = this->VisibleUpTo[x] + visible[x];
   }
+  this->Intervals.reserve(this->Texels.size());
+  for (std::size_t i = 0; i < this->Texels.size(); ++i)
+  {
+    const bool isLast = (i + 1) % static_cast<std::size_t>(width) == 0;
+    const glm::vec4& texel = this->Texels[i];
+    const glm::vec4& next = this->Texels[isLast ? i : i + 1];
+    this->Intervals.push_back({ { texel.a, next.a },
+      { TransferInterval::PackColor(&texel.x), TransferInterval::PackColor(&next.x) } });
+  }
 }
 
 //------------------------------------------------------------------------------

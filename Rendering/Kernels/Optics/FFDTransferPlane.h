@@ -4,6 +4,7 @@
 #define FFDTransferPlane_h
 
 #include "FFDExport.h"
+#include "FFDTransferInterval.h"
 #include "FFDTransferTable.h"
 
 #include <glm/vec2.hpp>
@@ -48,7 +49,9 @@ public:
 
   int GetWidth() const { return this->Width; }
   int GetHeight() const { return this->Height; }
-  const std::vector<glm::vec4>& GetTexels() const { return this->Texels; }
+  /// As packet kernels read them: each texel and the next one along x; the last one of a row has
+  /// itself.
+  const std::vector<TransferInterval>& GetIntervals() const { return this->Intervals; }
   const glm::dvec2& GetLow() const { return this->Low; }
   /// Texels a unit along each axis.
   const glm::dvec2& GetScale() const { return this->Scale; }
@@ -58,7 +61,11 @@ public:
   /// the last.
   glm::ivec2 FindVisibleColumns() const;
 
-  std::size_t GetMemorySize() const { return this->Texels.capacity() * sizeof(glm::vec4); }
+  std::size_t GetMemorySize() const
+  {
+    return this->Texels.capacity() * sizeof(glm::vec4) +
+      this->Intervals.capacity() * sizeof(TransferInterval);
+  }
 
 private:
   double TexelOf(double value, int axis) const;
@@ -69,6 +76,7 @@ private:
   glm::dvec2 Scale{ 1.0 }; // texels per unit
   bool Nearest = false;
   std::vector<glm::vec4> Texels;
+  std::vector<TransferInterval> Intervals;
   std::vector<int> VisibleUpTo; // columns with a visible texel before each
 };
 

@@ -136,7 +136,7 @@ PacketPlane MakePlane(const SampleClassifier& classifier, const ComponentOptics&
 {
   const TransferPlane& plane = optics.Plane;
   PacketPlane p;
-  p.Texels = &plane.GetTexels()[0].x;
+  p.Intervals = plane.GetIntervals().data();
   p.Size[0] = plane.GetWidth();
   p.Size[1] = plane.GetHeight();
   // Magnitudes are in texels: in units of the scalars squares may be beyond single precision.
@@ -347,8 +347,8 @@ void FindOpacities(const CastScene& scene, const OpticalFunctions& functions, Pa
 ValueRange FindVisibleRange(
   const CastScene& scene, const OpticalFunctions& functions, const PacketScene& p)
 {
-  ValueRange range = p.Plane.Texels ? FindVisibleRange(functions.Components[0].Plane, p.Plane)
-                                    : FindVisibleRange(*scene.Table, p.Table.GetRange(0));
+  ValueRange range = p.Plane.Intervals ? FindVisibleRange(functions.Components[0].Plane, p.Plane)
+                                       : FindVisibleRange(*scene.Table, p.Table.GetRange(0));
   AddVisibleLabels(functions, p, range);
   return range;
 }

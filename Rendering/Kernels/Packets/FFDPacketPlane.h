@@ -4,6 +4,7 @@
 #define FFDPacketPlane_h
 
 #include "FFDPacketVolume.h"
+#include "Optics/FFDTransferInterval.h"
 
 #include <cstddef>
 
@@ -13,7 +14,8 @@ namespace ffd
 /// A two-dimensional transfer function in the form that the packet kernels read: TransferPlane.
 struct PacketPlane
 {
-  const float* Texels = nullptr; ///< red, green, blue, opacity, x fastest; null: there is none
+  const TransferInterval* Intervals = nullptr; ///< of each texel and the next one along x, which
+                                               ///< is fastest; null: there is no function
   int Size[2] = {};
   float Low[2] = {};   ///< of the first texels, values as fetched
   float Scale[2] = {}; ///< texels a unit

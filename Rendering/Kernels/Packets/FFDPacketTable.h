@@ -4,36 +4,20 @@
 #define FFDPacketTable_h
 
 #include "FFDTransferTable.h"
+#include "Optics/FFDTransferInterval.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 namespace ffd
 {
 
-/**
- * Transfer tables in the form that the packet kernels read: a single load of 128 bits gives what
- * they interpolate between an entry and the next one. Extinctions are as precise as they were:
- * where a ray ends depends on them. Colors have ten bits, 0.13 of 255 apart from what they were at
- * most.
- */
+/// Transfer tables in the form that the packet kernels read; extinctions are GetInterpolated().
 class PacketTable
 {
 public:
-  static constexpr int ColorBits = 10;
-  static constexpr int LargestColor = (1 << ColorBits) - 1;
-
-  struct Interval
-  {
-    std::uint32_t Extinctions[2]; ///< floats, of the entry and of the next one, GetInterpolated()
-    std::uint32_t Colors[2];      ///< red in the lowest bits, green, blue
-  };
-  static_assert(sizeof(Interval) == 16, "intervals are loaded as 128 bits");
-
   /// The position of a table and the range of its values; loaded as 128 bits, too.
   struct Range
   {
@@ -54,15 +38,13 @@ public:
       static_cast<float>(size - 1), low, scale });
     for (std::size_t i = 0; i + 1 < size; ++i)
     {
-      Interval interval;
+      TransferInterval interval;
       for (std::size_t end = 0; end < 2; ++end)
       {
         const float* entry = entries + 4 * (i + end);
         const float* neighbor = entries + 4 * (i + 1 - end);
-        const float extinction = table.GetInterpolated(entry[3], neighbor[3]);
-        std::memcpy(&interval.Extinctions[end], &extinction, sizeof(float));
-        interval.Colors[end] =
-          ColorOf(entry[0]) | ColorOf(entry[1]) << ColorBits | ColorOf(entry[2]) << 2 * ColorBits;
+        interval.Ends[end] = table.GetInterpolated(entry[3], neighbor[3]);
+        interval.Colors[end] = TransferInterval::PackColor(entry);
       }
       this->Intervals.push_back(interval);
     }
@@ -80,9 +62,7 @@ public:
   {
     const Range& range = this->Ranges[table];
     this->Opacities.resize(this->Intervals.size());
-    const auto find = [length](std::uint32_t word) {
-      float extinction;
-      std::memcpy(&extinction, &word, sizeof(float));
+    const auto find = [length](float extinction) {
       return static_cast<float>(
         -std::expm1(-std::log(2.0) * static_cast<double>(extinction) * length));
     };
@@ -90,27 +70,21 @@ public:
     const std::size_t end = first + static_cast<std::size_t>(range.Intervals);
     for (std::size_t i = first; i < end; ++i)
     {
-      const std::uint32_t* const extinctions = this->Intervals[i].Extinctions;
+      const float* const extinctions = this->Intervals[i].Ends;
       this->Opacities[i] = { { find(extinctions[0]), find(extinctions[1]) } };
     }
   }
 
   const OpacityPair* GetOpacities() const { return this->Opacities.data(); }
 
-  const std::uint32_t* GetWords() const { return this->Intervals[0].Extinctions; }
+  const TransferInterval* GetIntervals() const { return this->Intervals.data(); }
   std::size_t GetSize() const { return this->Ranges.size(); }
   const Range& GetRange(std::size_t table) const { return this->Ranges[table]; }
   const Range* GetRanges() const { return this->Ranges.data(); }
 
 private:
-  static std::uint32_t ColorOf(float channel)
-  {
-    return static_cast<std::uint32_t>(
-      std::lround(static_cast<float>(LargestColor) * std::clamp(channel, 0.0f, 1.0f)));
-  }
-
   std::vector<Range> Ranges;
-  std::vector<Interval> Intervals;
+  std::vector<TransferInterval> Intervals;
   std::vector<OpacityPair> Opacities; // of the intervals, where FindOpacities() was asked for them
 };
 

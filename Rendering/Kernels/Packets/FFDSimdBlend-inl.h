@@ -273,7 +273,7 @@ private:
           hn::Le(value, Splat(this->Scene.AverageMax))));
     }
     this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, counts));
-    const Vf opacity = HWY_UNLIKELY(this->Scene.Plane.Texels != nullptr)
+    const Vf opacity = HWY_UNLIKELY(this->Scene.Plane.Intervals != nullptr)
       ? FindOpacityOfLastRow(this->Scene.Plane, value)
       : this->OpacityOver(TableLookup(this->Scene, value).Extinction());
     const Vf relative = hn::Mul(hn::Sub(value, Splat(this->Scene.ValueLow)),
@@ -316,7 +316,7 @@ private:
     // Gradients count as large.
     PlaneTexel texel;
     Mf some;
-    if (HWY_UNLIKELY(this->Scene.Plane.Texels != nullptr))
+    if (HWY_UNLIKELY(this->Scene.Plane.Intervals != nullptr))
     {
       texel = LookUpLastRow(this->Scene.Plane, value);
       some = hn::Gt(texel.Opacity, zero);

@@ -235,7 +235,7 @@ private:
       const Vf relative =
         hn::Mul(hn::Sub(intensity, Splat(channel.Low)), Splat(1.0f / (channel.High - channel.Low)));
       const PacketPlane& plane = this->Scene.Components[c].Plane;
-      const Vf opacity = HWY_UNLIKELY(plane.Texels != nullptr)
+      const Vf opacity = HWY_UNLIKELY(plane.Intervals != nullptr)
         ? FindOpacityOfLastRow(plane, density)
         : this->OpacityOver(TableLookup(this->Scene, density, c).Extinction(), channel);
       this->Sums[c] = hn::Add(
@@ -290,7 +290,7 @@ private:
       // Gradients count as large.
       PlaneTexel texel;
       Mf some;
-      if (HWY_UNLIKELY(this->Scene.Components[c].Plane.Texels != nullptr))
+      if (HWY_UNLIKELY(this->Scene.Components[c].Plane.Intervals != nullptr))
       {
         texel = LookUpLastRow(this->Scene.Components[c].Plane, density);
         some = hn::Gt(texel.Opacity, zero);

@@ -367,7 +367,7 @@ private:
       }
       Vf opacity;
       Vec3 own;
-      if (HWY_UNLIKELY(component.Plane.Texels != nullptr))
+      if (HWY_UNLIKELY(component.Plane.Intervals != nullptr))
       {
         const PlaneTexel texel = component.Plane.SecondAxis.Scalars
           ? LookUpPlane(component.Plane, values[c], second)
@@ -454,13 +454,13 @@ private:
     const bool labeled = !scene.Mask.Tables.empty();
     Vf opacity;
     Vec3 color = DependentColor(scene, values);
-    if (component.Plane.Texels)
+    if (component.Plane.Intervals)
     {
       const PacketPlane& plane = component.Plane;
       const Vf second = plane.SecondAxis.Scalars ? FindSecondAxis(plane, FindVoxels(this->Scene, q))
                                                  : FindMagnitude(plane.MagnitudeScale, gradient);
       const PlaneTexel texel = LookUpPlane(plane, density, second);
-      if (scene.ColorPlane.Texels)
+      if (scene.ColorPlane.Intervals)
       {
         color = LookUpPlane(scene.ColorPlane, values[0], second).Color;
       }

@@ -178,7 +178,7 @@ private:
         return;
       }
     }
-    const bool byPlane = Any && plane.Texels != nullptr;
+    const bool byPlane = Any && plane.Intervals != nullptr;
     const bool labeled = Any && !mask.Tables.empty();
     const bool mixed = labeled && (byPlane || mask.BlendFactor < 1.0f);
     const Vi tables =

@@ -57,13 +57,19 @@ HWY_INLINE Vi LookUpMask(const PacketMask& mask, const Vec3& q, const Function& 
 {
   const Di di;
   const MaskVoxels voxels = FindMaskVoxels(mask, q);
-  HWY_ALIGN int places[16]; // in rows, or in all of the mask
+  HWY_ALIGN int places[16]; // in all of the mask, or in rows
   HWY_ALIGN int rows[16];
-  StoreIndices(voxels.Row, rows);
-  StoreIndices(mask.InReach
-      ? hn::Add(voxels.X, hn::Mul(voxels.Row, hn::Set(di, static_cast<int>(mask.RowIncrement))))
-      : voxels.X,
-    places);
+  if (HWY_LIKELY(mask.InReach))
+  {
+    StoreIndices(
+      hn::Add(voxels.X, hn::Mul(voxels.Row, hn::Set(di, static_cast<int>(mask.RowIncrement)))),
+      places);
+  }
+  else
+  {
+    StoreIndices(voxels.X, places);
+    StoreIndices(voxels.Row, rows);
+  }
   HWY_ALIGN int numbers[16];
   DispatchScalarType(mask.Type, [&](auto zero) {
     const auto* const scalars = static_cast<const decltype(zero)*>(mask.Scalars);

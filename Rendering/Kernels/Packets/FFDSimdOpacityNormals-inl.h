@@ -32,7 +32,8 @@ HWY_NOINLINE inline Vf OpacityOfValues(
 {
   const bool several = scene.Volume.Components > 1;
   const PacketPlane& plane = several ? scene.Components[component].Plane : scene.Plane;
-  return plane.Texels ? FindOpacityOfLastRow(plane, values) : FindOpacity(scene, values, component);
+  return plane.Intervals ? FindOpacityOfLastRow(plane, values)
+                         : FindOpacity(scene, values, component);
 }
 
 /// Returns opacity(values) of values around samples.

@@ -221,8 +221,8 @@ HWY_INLINE Vec3 DependentColor(const PacketScene& scene, const Vf* values)
 {
   if (scene.KindOfComponents == ComponentKind::ColorOpacity)
   {
-    return scene.ColorPlane.Texels ? LookUpLastRow(scene.ColorPlane, values[0]).Color
-                                   : TableLookup(scene, values[0], scene.ColorTable).Color();
+    return scene.ColorPlane.Intervals ? LookUpLastRow(scene.ColorPlane, values[0]).Color
+                                      : TableLookup(scene, values[0], scene.ColorTable).Color();
   }
   // NaN is black: comparisons with it are false.
   const auto channel = [&](int c) {

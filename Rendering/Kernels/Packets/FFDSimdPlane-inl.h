@@ -10,14 +10,15 @@
 
 #include "FFDPacketPlane.h"
 #include "FFDScalarDispatch.h"
+#include "Optics/FFDTransferInterval.h"
 
 #include "FFDSimdCells-inl.h"
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdRows-inl.h"
+#include "FFDSimdTable-inl.h"
 
 #include <cstddef>
-#include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
 namespace ffd
@@ -93,84 +94,78 @@ HWY_NOINLINE inline Vf FindSecondAxis(const PacketPlane& plane, const Vec3& q)
   });
 }
 
-/// Two neighboring texels along an axis, and the part of the way from one to the other.
-struct TexelPair
+/// A texel before values along an axis, and the part of the way from it to the next one.
+struct TexelPosition
 {
-  Vi First;
-  Vi Second;
+  Vf First; ///< a whole number
   Vf Part;
 };
 
-/// The texels around values along an axis; the first ones where they are not `known`.
-HWY_INLINE TexelPair FindTexels(const PacketPlane& plane, Vf value, Mf known, int a)
+/// The positions of values along an axis; that of the first texel where they are not `known`.
+HWY_INLINE TexelPosition FindTexels(const PacketPlane& plane, Vf value, Mf known, int a)
 {
   const Df d;
   const Vf last = Splat(static_cast<float>(plane.Size[a] - 1));
   const Vf texel = hn::Mul(hn::Sub(value, Splat(plane.Low[a])), Splat(plane.Scale[a]));
   const Vf at = hn::IfThenElseZero(known, Clamp(texel, hn::Zero(d), last));
   const Vf first = hn::Floor(plane.Nearest ? hn::Add(at, Splat(0.5f)) : at);
-  return { Truncate(first), Truncate(hn::Min(hn::Add(first, Splat(1.0f)), last)),
-    plane.Nearest ? hn::Zero(d) : hn::Sub(at, first) };
-}
-
-/// Interpolates in the rows of texels whose first ones are `begin`.
-HWY_INLINE PlaneTexel InterpolateTexels(const PacketPlane& plane, Vi begin, const TexelPair& u)
-{
-  const Df d;
-  const auto* const words = reinterpret_cast<const std::uint32_t*>(plane.Texels);
-  const Quads a = LoadQuads(words, hn::Add(begin, u.First));
-  const Quads b = LoadQuads(words, hn::Add(begin, u.Second));
-  const auto mix = [&](Vi first, Vi second) {
-    return Lerp(hn::BitCast(d, first), hn::BitCast(d, second), u.Part);
-  };
-  return { { mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z) }, mix(a.w, b.w) };
+  return { first, plane.Nearest ? hn::Zero(d) : hn::Sub(at, first) };
 }
 
 /// Looks up the texels at (x, y); transparent where x or y is not a number.
 HWY_NOINLINE inline PlaneTexel LookUpPlane(const PacketPlane& plane, Vf x, Vf y)
 {
   const Mf known = hn::And(hn::Eq(x, x), hn::Eq(y, y));
-  const TexelPair u = FindTexels(plane, x, known, 0);
-  const TexelPair v = FindTexels(plane, y, known, 1);
+  const TexelPosition u = FindTexels(plane, x, known, 0);
+  const TexelPosition v = FindTexels(plane, y, known, 1);
   const Vi width = hn::Set(Di(), plane.Size[0]);
-  PlaneTexel texel = InterpolateTexels(plane, hn::Mul(v.First, width), u);
+  const Vi column = Truncate(u.First);
+  const Vi row = Truncate(v.First);
+  const Vi weights = PairWeights(u.Part);
+  const Vi begin = hn::Mul(row, width);
+  const Quads texels = LoadIntervals(plane.Intervals, hn::Add(begin, column));
+  PlaneTexel texel{ InterpolateColors(texels, weights), InterpolateEnds(texels, u.Part) };
   if (!plane.Nearest)
   {
-    const PlaneTexel next = InterpolateTexels(plane, hn::Mul(v.Second, width), u);
-    texel.Color = { Lerp(texel.Color.x, next.Color.x, v.Part),
-      Lerp(texel.Color.y, next.Color.y, v.Part), Lerp(texel.Color.z, next.Color.z, v.Part) };
-    texel.Opacity = Lerp(texel.Opacity, next.Opacity, v.Part);
+    const Vi nextRow =
+      hn::Mul(hn::Min(hn::Add(row, hn::Set(Di(), 1)), hn::Set(Di(), plane.Size[1] - 1)), width);
+    const Quads next = LoadIntervals(plane.Intervals, hn::Add(nextRow, column));
+    const Vec3 color = InterpolateColors(next, weights);
+    texel.Color = { Lerp(texel.Color.x, color.x, v.Part), Lerp(texel.Color.y, color.y, v.Part),
+      Lerp(texel.Color.z, color.z, v.Part) };
+    texel.Opacity = Lerp(texel.Opacity, InterpolateEnds(next, u.Part), v.Part);
   }
   texel.Opacity = hn::IfThenElseZero(known, texel.Opacity);
   return texel;
 }
 
-/// The first texel of the last row, which is that of the largest gradients.
-HWY_INLINE int FindLastRow(const PacketPlane& plane) { return plane.Size[0] * (plane.Size[1] - 1); }
+/// The texels of the last row, which is that of the largest gradients.
+HWY_INLINE const TransferInterval* FindLastRow(const PacketPlane& plane)
+{
+  return plane.Intervals +
+    static_cast<std::ptrdiff_t>(plane.Size[0]) * static_cast<std::ptrdiff_t>(plane.Size[1] - 1);
+}
 
 /// Looks up the texels at values whose gradients count as large; as LookUpPlane().
 HWY_NOINLINE inline PlaneTexel LookUpLastRow(const PacketPlane& plane, Vf x)
 {
   const Mf known = hn::Eq(x, x);
-  PlaneTexel texel =
-    InterpolateTexels(plane, hn::Set(Di(), FindLastRow(plane)), FindTexels(plane, x, known, 0));
-  texel.Opacity = hn::IfThenElseZero(known, texel.Opacity);
-  return texel;
+  const TexelPosition u = FindTexels(plane, x, known, 0);
+  const Quads texels = LoadIntervals(FindLastRow(plane), Truncate(u.First));
+  return { InterpolateColors(texels, PairWeights(u.Part)),
+    hn::IfThenElseZero(known, InterpolateEnds(texels, u.Part)) };
 }
 
 /// The opacity of LookUpLastRow().
 HWY_NOINLINE inline Vf FindOpacityOfLastRow(const PacketPlane& plane, Vf x)
 {
+  const Df d;
   const Mf known = hn::Eq(x, x);
-  const TexelPair u = FindTexels(plane, x, known, 0);
-  const float* const opacities = plane.Texels + 4 * FindLastRow(plane) + 3;
-  HWY_ALIGN int first[16];
-  HWY_ALIGN int second[16];
-  StoreIndices(u.First, first);
-  StoreIndices(u.Second, second);
-  return hn::IfThenElseZero(known,
-    Lerp(LoadLanes<float, 16>(opacities, 0, first), LoadLanes<float, 16>(opacities, 0, second),
-      u.Part));
+  const TexelPosition u = FindTexels(plane, x, known, 0);
+  HWY_ALIGN int offsets[16];
+  StoreIndices(Truncate(u.First), offsets);
+  const Pairs ends = LoadPairLanes<sizeof(TransferInterval)>(FindLastRow(plane), 0, offsets);
+  return hn::IfThenElseZero(known, Lerp(hn::BitCast(d, ends.x), hn::BitCast(d, ends.y), u.Part));
 }
 
 } // namespace HWY_NAMESPACE

@@ -10,6 +10,7 @@
 
 #include "FFDPacketScene.h"
 #include "FFDPacketTable.h"
+#include "Optics/FFDTransferInterval.h"
 
 #include "FFDSimdMath-inl.h"
 
@@ -26,6 +27,38 @@ HWY_INLINE Vf FindEntries(Vf values, Vf low, Vf scale, Vf intervals)
   const Vf x = hn::Mul(hn::Sub(values, low), scale);
   // Comparisons with what is not a number are false.
   return hn::IfThenElseZero(hn::Eq(x, x), Clamp(x, hn::Zero(Df()), intervals));
+}
+
+/// Loads intervals by their numbers.
+HWY_INLINE Quads LoadIntervals(const TransferInterval* intervals, Vi numbers)
+{
+  return LoadQuads(reinterpret_cast<const std::uint32_t*>(intervals), numbers);
+}
+
+/// Interpolates the numbers of intervals.
+HWY_INLINE Vf InterpolateEnds(const Quads& intervals, Vf part)
+{
+  const Df d;
+  return Lerp(hn::BitCast(d, intervals.x), hn::BitCast(d, intervals.y), part);
+}
+
+/// Interpolates the colors of intervals; `weights` is PairWeights(part).
+HWY_INLINE Vec3 InterpolateColors(const Quads& intervals, Vi weights)
+{
+  // `first`: in the lowest bits, `second`: in those of the upper half.
+  const auto channel = [&](Vi first, Vi second) FFD_INLINE_LAMBDA {
+    const Vi low = hn::Set(Di(), TransferInterval::LargestColor);
+    const Vi high = hn::Set(Di(), TransferInterval::LargestColor << 16);
+    const Vi pair = hn::Or(hn::And(first, low), hn::And(second, high));
+    return hn::Mul(hn::ConvertTo(Df(), MultiplyPairs(pair, weights)),
+      Splat(1.0f / (static_cast<float>(FixedOne) * TransferInterval::LargestColor)));
+  };
+  constexpr int Bits = TransferInterval::ColorBits;
+  const Vi first = intervals.z;
+  const Vi second = intervals.w;
+  return { channel(first, hn::ShiftLeft<16>(second)),
+    channel(hn::ShiftRight<Bits>(first), hn::ShiftLeft<16 - Bits>(second)),
+    channel(hn::ShiftRight<2 * Bits>(first), hn::ShiftRight<2 * Bits - 16>(second)) };
 }
 
 /// Looks values up in a transfer table; Extinction() and Color() interpolate when they are called.
@@ -68,20 +101,12 @@ public:
   /// Per data unit; of what is no number that of the first entry.
   HWY_INLINE Vf Extinction() const
   {
-    const Df d;
-    return hn::Max(hn::Zero(d),
-      Lerp(hn::BitCast(d, this->Words.x), hn::BitCast(d, this->Words.y), this->Fraction));
+    return hn::Max(hn::Zero(Df()), InterpolateEnds(this->Interval, this->Fraction));
   }
 
   HWY_INLINE Vec3 Color() const
   {
-    const Vi weights = PairWeights(this->Fraction);
-    constexpr int Bits = PacketTable::ColorBits;
-    const Vi first = this->Words.z;
-    const Vi second = this->Words.w;
-    return { Channel(first, hn::ShiftLeft<16>(second), weights),
-      Channel(hn::ShiftRight<Bits>(first), hn::ShiftLeft<16 - Bits>(second), weights),
-      Channel(hn::ShiftRight<2 * Bits>(first), hn::ShiftRight<2 * Bits - 16>(second), weights) };
+    return InterpolateColors(this->Interval, PairWeights(this->Fraction));
   }
 
 private:
@@ -95,21 +120,11 @@ private:
   {
     const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(intervals, Splat(1.0f)));
     this->Fraction = hn::Sub(entry, whole);
-    this->Words = LoadQuads(table.GetWords(), hn::Add(first, Truncate(whole)));
-  }
-
-  /// `first`: in the lowest bits, `second`: in those of the upper half.
-  static HWY_INLINE Vf Channel(Vi first, Vi second, Vi weights)
-  {
-    const Vi low = hn::Set(Di(), PacketTable::LargestColor);
-    const Vi high = hn::Set(Di(), PacketTable::LargestColor << 16);
-    const Vi pair = hn::Or(hn::And(first, low), hn::And(second, high));
-    return hn::Mul(hn::ConvertTo(Df(), MultiplyPairs(pair, weights)),
-      Splat(1.0f / (static_cast<float>(FixedOne) * PacketTable::LargestColor)));
+    this->Interval = LoadIntervals(table.GetIntervals(), hn::Add(first, Truncate(whole)));
   }
 
   Vf Fraction;
-  Quads Words;
+  Quads Interval;
 };
 
 /// Opacities of values by PacketTable::GetOpacities(); of what is no number that of the first

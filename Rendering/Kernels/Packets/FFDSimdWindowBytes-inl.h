@@ -63,7 +63,7 @@ public:
   /// Does what LoadCells() does of both components of a volume of two.
   template <class Addresses>
   static HWY_INLINE void LoadBoth(
-    const PacketVolume&, const Addresses& voxels, int slab, WindowSlab& first, WindowSlab& second)
+    const Addresses& voxels, int slab, WindowSlab& first, WindowSlab& second)
   {
     const __m512i low = LoadFour(voxels, slab, 0);
     const __m512i high = LoadFour(voxels, slab, 4);

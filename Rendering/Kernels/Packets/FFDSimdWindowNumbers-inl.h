@@ -47,15 +47,6 @@ public:
     this->LoadRow<Components>(v, voxels, slab, WindowRowsAlongY<T>() - 1, component);
   }
 
-  /// Does what LoadCells() does of both components of a volume of two.
-  template <class Addresses>
-  static HWY_INLINE void LoadBoth(
-    const PacketVolume& v, const Addresses& voxels, int slab, WindowSlab& first, WindowSlab& second)
-  {
-    first.template LoadCells<2>(v, voxels, slab, 0);
-    second.template LoadCells<2>(v, voxels, slab, 1);
-  }
-
   /// Two rows.
   HWY_INLINE __m512 GetPair(int row) const
   {

@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 HWY_BEFORE_NAMESPACE();
 namespace ffd
@@ -224,8 +225,15 @@ public:
     this->First.FetchAhead(window);
     for (int k = 1; k < Rows::NumberOfSlabs - 1; ++k)
     {
-      WindowSlab<T>::LoadBoth(
-        this->First.Volume, this->First.Voxels, k, this->First.Slabs[k], this->Second.Slabs[k]);
+      if constexpr (std::is_same_v<T, std::uint8_t>)
+      {
+        WindowSlab<T>::LoadBoth(this->First.Voxels, k, this->First.Slabs[k], this->Second.Slabs[k]);
+      }
+      else
+      {
+        this->First.LoadCells(k);
+        this->Second.LoadCells(k);
+      }
     }
   }
 

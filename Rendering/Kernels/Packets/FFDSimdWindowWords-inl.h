@@ -69,15 +69,6 @@ public:
     }
   }
 
-  /// Does what LoadCells() does of both components of a volume of two.
-  template <class Addresses>
-  static HWY_INLINE void LoadBoth(
-    const PacketVolume& v, const Addresses& voxels, int slab, WindowSlab& first, WindowSlab& second)
-  {
-    first.template LoadCells<2>(v, voxels, slab, 0);
-    second.template LoadCells<2>(v, voxels, slab, 1);
-  }
-
   __m512i Rows[2];
 
 private:
