@@ -348,8 +348,9 @@ PacketScene MakePacketScene(
     !p.HidesSamples && p.Volume.SlicesInReach == 0 &&
     (p.Volume.Components == 2 || p.Volume.Components == 4);
   const bool isPlain = p.Inner && p.CropSpace == Cropping::Spaces::None && !p.NormalsOfOpacity &&
-    !p.ClipsGradients && !p.Mask.Scalars && !kind.Plane && !p.Grid.ChangesGradients();
+    !p.ClipsGradients && !p.Mask.Scalars && !p.Grid.ChangesGradients();
   p.Options = !isPlain    ? CompositeOptions::Any
+    : kind.Plane          ? CompositeOptions::Plane
     : p.OpacityByGradient ? CompositeOptions::GradientOpacity
                           : CompositeOptions::None;
   return p;

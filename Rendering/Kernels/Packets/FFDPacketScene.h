@@ -65,6 +65,7 @@ enum class CompositeOptions
 {
   None,
   GradientOpacity, ///< and nothing else
+  Plane,           ///< a two-dimensional transfer function, and nothing else
   Any
 };
 

@@ -474,6 +474,8 @@ private:
     {
       return HWY_LIKELY(this->Scene.Options == CompositeOptions::None)
         ? this->template Composite<AtFaces, CompositeOptions::None>(curve, from, to)
+        : this->Scene.Options == CompositeOptions::Plane
+        ? this->template Composite<AtFaces, CompositeOptions::Plane>(curve, from, to)
         : this->template Composite<AtFaces, CompositeOptions::GradientOpacity>(curve, from, to);
     }
     if (this->Blending.template HasLoop<AtFaces>())

@@ -156,8 +156,10 @@ private:
     }
     const PacketMask& mask = this->Scene.Mask;
     const PacketPlane& plane = this->Scene.Plane;
-    const bool byGradient =
-      Any ? this->Scene.OpacityByGradient : Options == CompositeOptions::GradientOpacity;
+    constexpr bool OfPlane = Options == CompositeOptions::Plane;
+    const bool byPlane = OfPlane || (Any && plane.Intervals != nullptr);
+    const bool byGradient = Options == CompositeOptions::GradientOpacity ||
+      ((Any || OfPlane) && this->Scene.OpacityByGradient);
     const bool byOpacity = Any && this->Scene.NormalsOfOpacity;
     const PacketGradientOpacity& gradients = this->Scene.Gradients;
     const auto findGradient = [&](Mf lanes) FFD_INLINE_LAMBDA {
@@ -166,7 +168,7 @@ private:
     };
     Vec3 gradient{ hn::Zero(d), hn::Zero(d), hn::Zero(d) };
     // Most gradients of what is visible by its value may be small: no table is looked up for them.
-    const bool gradientFirst = byGradient && gradients.ZeroUpTo > 0.0f &&
+    const bool gradientFirst = byGradient && !OfPlane && gradients.ZeroUpTo > 0.0f &&
       !(Any && (mask.Scalars || this->Scene.HidesSamples));
     if (gradientFirst)
     {
@@ -178,7 +180,6 @@ private:
         return;
       }
     }
-    const bool byPlane = Any && plane.Intervals != nullptr;
     const bool labeled = Any && !mask.Tables.empty();
     const bool mixed = labeled && (byPlane || mask.BlendFactor < 1.0f);
     const Vi tables =
@@ -219,7 +220,7 @@ private:
     {
       gradient = findGradient(visible);
     }
-    if (!gradientFirst && byGradient && gradients.ZeroUpTo > 0.0f)
+    if (!gradientFirst && byGradient && !OfPlane && gradients.ZeroUpTo > 0.0f)
     {
       visible = hn::And(visible, IsAboveZero(gradients, gradient));
       if (hn::AllFalse(d, visible))
