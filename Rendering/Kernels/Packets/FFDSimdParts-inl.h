@@ -116,7 +116,7 @@ public:
     std::fill_n(segment.Inside.begin(), blocks, 0u);
     // Blocks that are too wide for a query of their boxes let their rays leap one by one.
     segment.LeapsRays =
-      this->Scene.Distances != nullptr && !BoxQuery::TellsAll(this->FindPartRadius(segment));
+      this->Scene.Distances != nullptr && !BoxQuery::TellsAll(this->FindRadius(segment, 1));
   }
 
   /// Fills Needed and Inside for the next parts.
@@ -125,7 +125,7 @@ public:
     const Df d;
     const Di di;
     const PacketScene& scene = this->Scene;
-    const std::array<float, 3> radius = this->FindPartRadius(segment);
+    const std::array<float, 3> radius = this->FindRadius(segment, 1);
     const BoxQuery query(scene, radius);
     // How far the middles of boxes may be from that of the volume: so that boxes reach the samples'
     // box, and so that all voxels exist.
@@ -142,12 +142,15 @@ public:
       innerMiddles[a] = Splat(scene.Grid.InnerMiddle[a]);
       inner[a] = Splat(scene.Grid.InnerReach[a] - r);
     }
-    const float samples = static_cast<float>(segment.SamplesPerPart);
     const float extent = 2.0f * std::max({ radius[0], radius[1], radius[2] });
     const float perSample = 1.0f / static_cast<float>(segment.Samples);
-    const float toMiddle =
-      0.5f * static_cast<float>(segment.SamplesPerPart - this->CountSamplesBefore());
+    // s in the middle of parts, before the part `last`.
+    const auto middleOf = [&](int part, int last) {
+      const int twice = (part + last) * segment.SamplesPerPart - this->CountSamplesBefore();
+      return 0.5f * static_cast<float>(twice) * perSample;
+    };
     const int end = std::min(segment.Parts, segment.KnownParts + PartsAtOnce);
+    const std::array<float, 3> radiusOfAll = this->FindRadius(segment, end - segment.KnownParts);
     const int blocks = (segment.Side / BlockSide) * (segment.Side / BlockSide);
     for (std::size_t first = 0; first < static_cast<std::size_t>(blocks); first += hn::Lanes(d))
     {
@@ -164,13 +167,24 @@ public:
       auto needed = hn::BitCast(di, hn::Load(du, segment.Needed.data() + first));
       auto inside = hn::BitCast(di, hn::Load(du, segment.Inside.data() + first));
       const Mf blocksHere = hn::FirstN(d, static_cast<std::size_t>(blocks) - first);
+      // One look-up tells of blocks whose next parts all lie in an empty cube.
+      Mf open = blocksHere;
+      if (scene.Distances)
+      {
+        const Vec3 middle = curve.At(Splat(middleOf(segment.KnownParts, end)));
+        open = hn::AndNot(EmptyCubes(scene, middle).Hold(radiusOfAll), blocksHere);
+        this->Statistics.DistanceLookups += static_cast<std::int64_t>(hn::CountTrue(d, blocksHere));
+        if (hn::AllFalse(d, open))
+        {
+          continue;
+        }
+      }
       for (int part = segment.KnownParts; part < end; ++part)
       {
-        const Vec3 at =
-          curve.At(Splat((static_cast<float>(part) * samples + toMiddle) * perSample));
+        const Vec3 at = curve.At(Splat(middleOf(part, part + 1)));
         const Vf q[3] = { at.x, at.y, at.z };
         Mf within = blocksHere;
-        Mf seen = blocksHere;
+        Mf seen = open;
         for (int a = 0; a < 3; ++a)
         {
           const Vf distance = hn::Abs(hn::Sub(q[a], middles[a]));
@@ -206,14 +220,15 @@ private:
   /// Samples before a part that belong to it: those where its intervals begin.
   int CountSamplesBefore() const { return this->Scene.ClassifiesIntervals ? 1 : 0; }
 
-  /// Bounds of the distances of the positions of a block in a part from its middle, index units.
-  std::array<float, 3> FindPartRadius(const TileSegment& segment) const
+  /// Bounds of the distances of the positions of a block in parts that follow each other from their
+  /// middle, index units.
+  std::array<float, 3> FindRadius(const TileSegment& segment, int parts) const
   {
     std::array<float, 3> radius;
     for (std::size_t a = 0; a < 3; ++a)
     {
       const float steps =
-        0.5f * static_cast<float>(segment.SamplesPerPart + this->CountSamplesBefore());
+        0.5f * static_cast<float>(parts * segment.SamplesPerPart + this->CountSamplesBefore());
       radius[a] = segment.Radius[a] + steps * std::max(segment.Up[a], segment.Down[a]);
     }
     return radius;

@@ -112,6 +112,14 @@ HWY_INLINE TexelPosition FindTexels(const PacketPlane& plane, Vf value, Mf known
   return { first, plane.Nearest ? hn::Zero(d) : hn::Sub(at, first) };
 }
 
+/// Interpolates the texels of rows. `intervals`: the texels that `columns` are counted from.
+HWY_INLINE PlaneTexel InterpolateAlongRow(
+  const TransferInterval* intervals, Vi columns, Vf part, Vi weights)
+{
+  const Quads texels = LoadIntervals(intervals, columns);
+  return { InterpolateColors(texels, weights), InterpolateEnds(texels, part) };
+}
+
 /// Looks up the texels at (x, y); transparent where x or y is not a number.
 HWY_NOINLINE inline PlaneTexel LookUpPlane(const PacketPlane& plane, Vf x, Vf y)
 {
@@ -122,18 +130,18 @@ HWY_NOINLINE inline PlaneTexel LookUpPlane(const PacketPlane& plane, Vf x, Vf y)
   const Vi column = Truncate(u.First);
   const Vi row = Truncate(v.First);
   const Vi weights = PairWeights(u.Part);
-  const Vi begin = hn::Mul(row, width);
-  const Quads texels = LoadIntervals(plane.Intervals, hn::Add(begin, column));
-  PlaneTexel texel{ InterpolateColors(texels, weights), InterpolateEnds(texels, u.Part) };
+  const auto inRow = [&](Vi number) FFD_INLINE_LAMBDA {
+    return InterpolateAlongRow(
+      plane.Intervals, hn::Add(hn::Mul(number, width), column), u.Part, weights);
+  };
+  PlaneTexel texel = inRow(row);
   if (!plane.Nearest)
   {
-    const Vi nextRow =
-      hn::Mul(hn::Min(hn::Add(row, hn::Set(Di(), 1)), hn::Set(Di(), plane.Size[1] - 1)), width);
-    const Quads next = LoadIntervals(plane.Intervals, hn::Add(nextRow, column));
-    const Vec3 color = InterpolateColors(next, weights);
-    texel.Color = { Lerp(texel.Color.x, color.x, v.Part), Lerp(texel.Color.y, color.y, v.Part),
-      Lerp(texel.Color.z, color.z, v.Part) };
-    texel.Opacity = Lerp(texel.Opacity, InterpolateEnds(next, u.Part), v.Part);
+    const PlaneTexel next =
+      inRow(hn::Min(hn::Add(row, hn::Set(Di(), 1)), hn::Set(Di(), plane.Size[1] - 1)));
+    texel.Color = { Lerp(texel.Color.x, next.Color.x, v.Part),
+      Lerp(texel.Color.y, next.Color.y, v.Part), Lerp(texel.Color.z, next.Color.z, v.Part) };
+    texel.Opacity = Lerp(texel.Opacity, next.Opacity, v.Part);
   }
   texel.Opacity = hn::IfThenElseZero(known, texel.Opacity);
   return texel;
@@ -151,21 +159,18 @@ HWY_NOINLINE inline PlaneTexel LookUpLastRow(const PacketPlane& plane, Vf x)
 {
   const Mf known = hn::Eq(x, x);
   const TexelPosition u = FindTexels(plane, x, known, 0);
-  const Quads texels = LoadIntervals(FindLastRow(plane), Truncate(u.First));
-  return { InterpolateColors(texels, PairWeights(u.Part)),
-    hn::IfThenElseZero(known, InterpolateEnds(texels, u.Part)) };
+  PlaneTexel texel =
+    InterpolateAlongRow(FindLastRow(plane), Truncate(u.First), u.Part, PairWeights(u.Part));
+  texel.Opacity = hn::IfThenElseZero(known, texel.Opacity);
+  return texel;
 }
 
 /// The opacity of LookUpLastRow().
 HWY_NOINLINE inline Vf FindOpacityOfLastRow(const PacketPlane& plane, Vf x)
 {
-  const Df d;
   const Mf known = hn::Eq(x, x);
   const TexelPosition u = FindTexels(plane, x, known, 0);
-  HWY_ALIGN int offsets[16];
-  StoreIndices(Truncate(u.First), offsets);
-  const Pairs ends = LoadPairLanes<sizeof(TransferInterval)>(FindLastRow(plane), 0, offsets);
-  return hn::IfThenElseZero(known, Lerp(hn::BitCast(d, ends.x), hn::BitCast(d, ends.y), u.Part));
+  return hn::IfThenElseZero(known, InterpolatePairs(FindLastRow(plane), Truncate(u.First), u.Part));
 }
 
 } // namespace HWY_NAMESPACE

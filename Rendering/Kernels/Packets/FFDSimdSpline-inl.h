@@ -105,24 +105,21 @@ HWY_INLINE void SpreadOverSupport(
     }
     return;
   }
-  for (int n = 0; n < support.Count; ++n)
+  for (int n = 0; n < count; ++n)
   {
-    support.Weights[n] = hn::Zero(d);
-    support.Slopes[n] = hn::Zero(d);
-  }
-  for (int cell = 0; cell <= last; ++cell)
-  {
-    const Mf here = hn::RebindMask(d, hn::Eq(cells, hn::Set(di, cell)));
-    for (int i = 0; i < 4; ++i)
+    Vf weight = hn::Zero(d);
+    Vf slope = hn::Zero(d);
+    for (int i = std::max(0, n - last); i <= std::min(n, 3); ++i)
     {
-      Vf& weight = support.Weights[cell + i];
+      const Mf here = hn::RebindMask(d, hn::Eq(cells, hn::Set(di, n - i)));
       weight = hn::IfThenElse(here, axis.Weights[i], weight);
       if constexpr (WithSlopes)
       {
-        Vf& slope = support.Slopes[cell + i];
         slope = hn::IfThenElse(here, axis.Slopes[i], slope);
       }
     }
+    support.Weights[n] = weight;
+    support.Slopes[n] = slope;
   }
 }
 

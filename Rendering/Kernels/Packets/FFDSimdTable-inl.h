@@ -127,21 +127,28 @@ private:
   Quads Interval;
 };
 
+/// Interpolates the two numbers that elements of an array begin with.
+template <class Element>
+HWY_INLINE Vf InterpolatePairs(const Element* elements, Vi numbers, Vf part)
+{
+  const Df d;
+  HWY_ALIGN int offsets[16];
+  StoreIndices(numbers, offsets);
+  const Pairs ends = LoadPairLanes<sizeof(Element)>(elements, 0, offsets);
+  return Lerp(hn::BitCast(d, ends.x), hn::BitCast(d, ends.y), part);
+}
+
 /// Opacities of values by PacketTable::GetOpacities(); of what is no number that of the first
 /// entry.
 HWY_INLINE Vf FindOpacity(const PacketScene& scene, Vf values, std::size_t table)
 {
-  const Df d;
   const PacketTable::Range& range = scene.Table.GetRange(table);
   const Vf entry =
     FindEntries(values, Splat(range.Low), Splat(range.Scale), Splat(range.Intervals));
   const Vf whole = hn::Min(hn::Floor(entry), Splat(range.Intervals - 1.0f));
-  HWY_ALIGN int offsets[16];
-  StoreIndices(hn::Add(hn::Set(Di(), range.First), Truncate(whole)), offsets);
-  const Pairs ends =
-    LoadPairLanes<sizeof(PacketTable::OpacityPair)>(scene.Table.GetOpacities(), 0, offsets);
+  const Vi first = hn::Add(hn::Set(Di(), range.First), Truncate(whole));
   return hn::Max(
-    hn::Zero(d), Lerp(hn::BitCast(d, ends.x), hn::BitCast(d, ends.y), hn::Sub(entry, whole)));
+    hn::Zero(Df()), InterpolatePairs(scene.Table.GetOpacities(), first, hn::Sub(entry, whole)));
 }
 
 } // namespace HWY_NAMESPACE
