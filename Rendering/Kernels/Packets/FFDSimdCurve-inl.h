@@ -60,7 +60,10 @@ struct PacketCurve
   /// The positions at s, index coordinates of the voxels here.
   HWY_INLINE Vec3 At(const PacketScene& scene, Vf s) const
   {
-    return WholeToIndex(scene, this->Position.At(s));
+    // Without a deformation rays are straight.
+    return WholeToIndex(scene,
+      scene.Identity ? MulAdd(s, this->Position.Terms[1], this->Position.Terms[0])
+                     : this->Position.At(s));
   }
 };
 
