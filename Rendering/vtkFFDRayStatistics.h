@@ -68,7 +68,8 @@ public:
   ///@{
   /**
    * Number of look-ups of distances to what is visible (figure 6c). With ERROR_BOUND one look-up is
-   * for a part of a segment and all rays of 4 x 4 pixels.
+   * for a part of a segment, or for up to eight that follow each other, and all rays of 4 x 4
+   * pixels.
    */
   vtkGetMacro(NumberOfDistanceLookups, vtkTypeInt64);
   double GetDistanceLookupsPerRay() const;
