@@ -76,6 +76,10 @@ HWY_INLINE Vi Truncate(Vf v)
 
 /// a + t * (b - a)
 HWY_INLINE Vf Lerp(Vf a, Vf b, Vf t) { return hn::MulAdd(t, hn::Sub(b, a), a); }
+HWY_INLINE Vec3 Lerp(const Vec3& a, const Vec3& b, Vf t)
+{
+  return { Lerp(a.x, b.x, t), Lerp(a.y, b.y, t), Lerp(a.z, b.z, t) };
+}
 
 HWY_INLINE Vf Dot(const Vec3& a, const Vec3& b)
 {

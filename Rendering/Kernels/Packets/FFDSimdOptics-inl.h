@@ -141,8 +141,7 @@ HWY_INLINE void MixInLabels(const PacketScene& scene, const TableLookup& ofLabel
   const Df d;
   const Vf factor = hn::IfThenElse(
     hn::RebindMask(d, hn::Gt(tables, hn::Zero(Di()))), Splat(scene.Mask.BlendFactor), hn::Zero(d));
-  const Vec3 b = ofLabel.Color();
-  color = { Lerp(color.x, b.x, factor), Lerp(color.y, b.y, factor), Lerp(color.z, b.z, factor) };
+  color = Lerp(color, ofLabel.Color(), factor);
   Vf second = OpacityOf(scene, ofLabel.Extinction());
   if (!scene.Mask.GradientRanges.empty())
   {

@@ -144,9 +144,9 @@ public:
     }
     const float extent = 2.0f * std::max({ radius[0], radius[1], radius[2] });
     const float perSample = 1.0f / static_cast<float>(segment.Samples);
-    // s in the middle of parts, before the part `last`.
-    const auto middleOf = [&](int part, int last) {
-      const int twice = (part + last) * segment.SamplesPerPart - this->CountSamplesBefore();
+    // s in the middle of the parts from `from` on, before `to`.
+    const auto middleOf = [&](int from, int to) {
+      const int twice = (from + to) * segment.SamplesPerPart - this->CountSamplesBefore();
       return 0.5f * static_cast<float>(twice) * perSample;
     };
     const int end = std::min(segment.Parts, segment.KnownParts + PartsAtOnce);

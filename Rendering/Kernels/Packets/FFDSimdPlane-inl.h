@@ -139,8 +139,7 @@ HWY_NOINLINE inline PlaneTexel LookUpPlane(const PacketPlane& plane, Vf x, Vf y)
   {
     const PlaneTexel next =
       inRow(hn::Min(hn::Add(row, hn::Set(Di(), 1)), hn::Set(Di(), plane.Size[1] - 1)));
-    texel.Color = { Lerp(texel.Color.x, next.Color.x, v.Part),
-      Lerp(texel.Color.y, next.Color.y, v.Part), Lerp(texel.Color.z, next.Color.z, v.Part) };
+    texel.Color = Lerp(texel.Color, next.Color, v.Part);
     texel.Opacity = Lerp(texel.Opacity, next.Opacity, v.Part);
   }
   texel.Opacity = hn::IfThenElseZero(known, texel.Opacity);
