@@ -359,7 +359,10 @@ TEST(PacketCaster, EveryTargetIsTested)
 {
   const std::int64_t supported = hwy::SupportedTargets();
   std::int64_t tested = 0;
-  ForEveryTarget([&] { tested |= hwy::SupportedTargets(); });
+  ForEveryTarget([&] {
+    const std::int64_t targets = hwy::SupportedTargets();
+    tested |= targets & -targets; // the best one
+  });
   EXPECT_EQ(tested, supported & HWY_TARGETS);
 #if HWY_ARCH_X86
   // With Highway 1.0 plain C++ takes the place of SSE2.

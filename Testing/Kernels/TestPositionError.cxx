@@ -31,7 +31,7 @@ TEST(PositionError, IsWithinTheTolerance)
   for (int i = 0; i < scenes; ++i)
   {
     // Five scenes in turn for each instruction set.
-    ffd::UseTargets(targets[static_cast<std::size_t>(i / 5) % targets.size()]);
+    ffd::UseTarget(targets[static_cast<std::size_t>(i / 5) % targets.size()]);
     RandomLattice random(static_cast<unsigned int>(i + 1));
     const glm::dvec3 extent(64.0, random.Number(32.0, 64.0), random.Number(32.0, 64.0));
     std::string name;
@@ -63,7 +63,7 @@ TEST(PositionError, IsWithinTheTolerance)
       all.Errors.push_back(error / tolerance);
     }
   }
-  ffd::UseTargets(0);
+  ffd::UseTarget(0);
   std::printf("%zu samples: mean %.4f, above 0.5: %.2g, above 0.9: %.2g, largest %.3f tolerances\n",
     all.Errors.size(), all.Mean(), all.Share(0.5), all.Share(0.9), all.Largest());
   EXPECT_GT(all.Errors.size(), static_cast<std::size_t>(scenes) * 1000);

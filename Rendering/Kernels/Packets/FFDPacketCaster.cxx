@@ -3,7 +3,7 @@
 #include "FFDPacketCaster.h"
 
 #include "FFDSimdTargets.h"
-#include "FFDWideTile.h"
+#include "FFDTileCasters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,23 +16,14 @@
 
 #include <hwy/highway.h>
 
-#include "FFDSimdFetch-inl.h"
-#include "FFDSimdTile-inl.h"
+#include "FFDSimdPullBack-inl.h"
+#include "FFDSimdSegmentTrees-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
 namespace HWY_NAMESPACE
 {
-
-/// Of scenes that HasShortScalars(); those of others are cast by CastWideTile().
-int CastShortTile(const PacketScene& scene, int x0, int y0, unsigned int subtiles,
-  const CastImage& image, PacketScratch& scratch, int first, Deadline deadline)
-{
-  return ForShortFetched(scene.Volume, [&](auto zero) {
-    return CastTile<decltype(zero)>(scene, x0, y0, subtiles, image, scratch, first, deadline);
-  });
-}
 
 /// Sets the side of roots: tiles share them where interpolants over several tiles are close enough
 /// around most of five points. `quarter`: of the edges of the deformed bounds of the whole.
@@ -135,7 +126,6 @@ namespace ffd
 namespace
 {
 
-HWY_EXPORT(CastShortTile);
 HWY_EXPORT(ChooseRootSide);
 HWY_EXPORT(MoveSeeds);
 
@@ -146,6 +136,23 @@ bool CanLookUpMask(const VolumeView& v)
   return !v.Scalars ||
     (v.Increments[0] == 1 && v.Increments[2] == v.Increments[1] * v.Dimensions.y &&
       static_cast<double>(v.Dimensions.y) * v.Dimensions.z <= LargestReach);
+}
+
+TileCaster* FindTileCaster(FetchedScalars scalars)
+{
+  switch (scalars)
+  {
+    case FetchedScalars::Bytes:
+      return CastByteTile;
+    case FetchedScalars::Shorts:
+      return CastShortTile;
+    case FetchedScalars::Words:
+      return CastWordTile;
+    case FetchedScalars::Floats:
+      return CastFloatTile;
+    default:
+      return CastDoubleTile;
+  }
 }
 
 } // namespace
@@ -204,8 +211,7 @@ bool PacketCaster::IsTileEmpty(int x0, int y0) const
 int PacketCaster::RenderTile(int x0, int y0, unsigned int subtiles, const CastImage& image,
   PacketScratch& scratch, int first, Deadline deadline) const
 {
-  const auto cast =
-    HasShortScalars(this->Scene.Volume) ? HWY_DYNAMIC_DISPATCH(CastShortTile) : CastWideTile;
+  TileCaster* const cast = FindTileCaster(FindFetchedScalars(this->Scene.Volume));
   return cast(this->Scene, x0, y0, subtiles, image, scratch, first, deadline);
 }
 

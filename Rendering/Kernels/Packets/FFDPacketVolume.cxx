@@ -29,6 +29,20 @@ bool IsThin(const VolumeView& v)
 }
 
 //------------------------------------------------------------------------------
+FetchedScalars FindFetchedScalars(const PacketVolume& v)
+{
+  if (HasShortScalars(v))
+  {
+    return v.ElementSize == 1 ? FetchedScalars::Bytes : FetchedScalars::Shorts;
+  }
+  if (v.Type == ScalarType::Float32)
+  {
+    return FetchedScalars::Floats;
+  }
+  return v.HasWords ? FetchedScalars::Words : FetchedScalars::Doubles;
+}
+
+//------------------------------------------------------------------------------
 bool CanFetchPackets(const VolumeView& v)
 {
   const double slice = static_cast<double>(v.Increments[2]);

@@ -99,6 +99,18 @@ struct PacketVolume
 /// Whether scalars are integers of one or two bytes, which are interpolated by PacketIntegers.
 inline bool HasShortScalars(const PacketVolume& v) { return v.ElementSize <= 2; }
 
+/// What the packet kernels read scalars as.
+enum class FetchedScalars
+{
+  Bytes,  ///< integers of 8 bits
+  Shorts, ///< integers of 16 bits
+  Words,  ///< integers of 32 bits, by PacketWords
+  Floats,
+  Doubles ///< all others
+};
+
+FetchedScalars FindFetchedScalars(const PacketVolume& v);
+
 /// The largest number of bytes that a 32-bit offset leads over.
 constexpr double LargestReach = 2147483647.0;
 

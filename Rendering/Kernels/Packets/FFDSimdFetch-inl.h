@@ -289,30 +289,24 @@ private:
   }
 };
 
-/// Calls use(T()) with the type that Fetch has for the scalars of a volume that HasShortScalars().
-/// Whole numbers with a sign are read as those without, see PacketIntegers.
-template <class Use>
-HWY_INLINE auto ForShortFetched(const PacketVolume& v, const Use& use)
-{
-  return v.ElementSize == 1 ? use(std::uint8_t()) : use(std::uint16_t());
-}
-
-/// The same for all other scalars.
-template <class Use>
-HWY_INLINE auto ForWideFetched(const PacketVolume& v, const Use& use)
-{
-  if (v.Type == ScalarType::Float32)
-  {
-    return use(float());
-  }
-  return v.HasWords ? use(WordScalar()) : use(double());
-}
-
-/// The same for scalars of any type.
+/// Calls use(T()) with the type that Fetch has for the scalars of a volume. Whole numbers with a
+/// sign are read as those without, see PacketIntegers.
 template <class Use>
 HWY_INLINE auto ForFetched(const PacketVolume& v, const Use& use)
 {
-  return HasShortScalars(v) ? ForShortFetched(v, use) : ForWideFetched(v, use);
+  switch (FindFetchedScalars(v))
+  {
+    case FetchedScalars::Bytes:
+      return use(std::uint8_t());
+    case FetchedScalars::Shorts:
+      return use(std::uint16_t());
+    case FetchedScalars::Words:
+      return use(WordScalar());
+    case FetchedScalars::Floats:
+      return use(float());
+    default:
+      return use(double());
+  }
 }
 
 } // namespace HWY_NAMESPACE
