@@ -19,13 +19,15 @@
 #include "FFDSimdInterpolant-inl.h"
 #include "FFDSimdLeap-inl.h"
 #include "FFDSimdMath-inl.h"
-#include "FFDSimdPullBack-inl.h"
+#include "FFDSimdPacketSegments-inl.h"
+#include "FFDSimdPeakSearch-inl.h"
+#include "FFDSimdRayLeaps-inl.h"
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdSampleFollower-inl.h"
 #include "FFDSimdSegmentTrees-inl.h"
+#include "FFDSimdSlice-inl.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -59,14 +61,6 @@ HWY_INLINE SampleRange FindSamples(
   return range;
 }
 
-/// Samples at which a packet found its extremes, by channel: those of the packet beside it are
-/// likely to be near them.
-struct ExtremeSamples
-{
-  static constexpr int None = std::numeric_limits<int>::min();
-  std::array<int, LargestNumberOfChannels> Numbers{ { None, None, None, None } };
-};
-
 /// Casts the rays of a packet: finds the samples that they take, front to back.
 template <class T>
 class Packet
@@ -85,13 +79,11 @@ public:
     , Trees(trees)
     , Scratch(scratch)
     , Rays(rays)
-    , X(x)
-    , Y(y)
+    , Segments(scene, trees, x, y, range)
     , Rows(rows)
     , Numbers(numbers)
-    , FirstSample(range.First)
-    , EndSample(range.End)
-    , Extremes(extremes)
+    , Leaps(scene, scratch.Statistics)
+    , Peaks(scene, this->Segments, extremes)
     , Samples(scene, trees, scratch, rays, x, y, rows, active)
     , Blending(scene, scratch, this->Samples)
   {
@@ -101,21 +93,11 @@ public:
 
   void Cast()
   {
-    const int top = this->Scene.SamplesPerRoot;
-    const int first = std::max(this->Trees.GetFirst(), FloorDivide(this->FirstSample, top));
-    const int last = std::min(this->Trees.GetLast(), FloorDivide(this->EndSample - 1, top));
     for (std::size_t c = 0; HWY_UNLIKELY(c < this->Scene.Peaks.size()); ++c)
     {
-      this->SampleLikelyPart(c, first, last);
+      this->SampleLikelyPart(c);
     }
-    const auto cast = [this](TileSegment& segment) { return this->CastSegment(segment); };
-    for (int index = first; index <= last; ++index)
-    {
-      if (!this->ForLeaves(this->Trees.GetRoot(index), cast))
-      {
-        return;
-      }
-    }
+    this->Segments.ForLeaves([this](TileSegment& segment) { return this->CastSegment(segment); });
   }
 
   /// Does what Cast() does where samples are not composited.
@@ -130,7 +112,16 @@ public:
   HWY_NOINLINE void CastSlice()
   {
     this->Blending.Begin();
-    this->TakeSliceSample();
+    PacketCurve curve;
+    const Mf crossing = FindSliceCurve(
+      this->Scene, this->Rays, this->Samples.State.Alive, this->Scratch.Statistics, curve);
+    if (!hn::AllFalse(Df(), crossing))
+    {
+      const Vf zero = hn::Zero(Df());
+      this->Numbers.First = zero;
+      this->Numbers.Stop = hn::IfThenElseZero(crossing, Splat(1.0f));
+      this->TakeSamples(curve, 0, zero, false);
+    }
     this->Blending.End();
   }
 
@@ -138,54 +129,6 @@ public:
   float GetReach() const { return this->Reach; }
 
 private:
-  /// Samples over which single rays are bounded by themselves.
-  static constexpr int FewSamples = 8;
-  /// Kept between a leap and the faces of an empty cube, index units: rounding errors.
-  static constexpr float LeapGuard[3] = { 2e-3f, 2e-3f, 2e-3f };
-
-  /// Tolerance for slices at the faces of the volume and the ends of rays, voxels.
-  static constexpr float SliceGuard = 1e-3f;
-
-  static int FloorDivide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
-
-  HWY_INLINE bool HasSamplesIn(const TileSegment& segment) const
-  {
-    return segment.FirstSample < this->EndSample &&
-      segment.FirstSample + segment.Samples > this->FirstSample;
-  }
-
-  /// The quarter of a segment that the packet is in.
-  HWY_INLINE TileSegment& QuarterOf(const TileSegment& segment) const
-  {
-    const int half = segment.Side / 2;
-    const std::size_t right = this->X - segment.X >= half ? 1 : 0;
-    const std::size_t high = this->Y - segment.Y >= half ? 2 : 0;
-    return *segment.Children[right + high];
-  }
-
-  /// Calls visit(segment) for the segments without children, of a segment, that hold samples of the
-  /// packet and something visible, front to back, until it returns false; returns that.
-  template <class Visit>
-  bool ForLeaves(TileSegment& segment, const Visit& visit)
-  {
-    if (!this->HasSamplesIn(segment))
-    {
-      return true;
-    }
-    switch (this->Trees.Find(segment))
-    {
-      case TileSegment::State::Empty:
-        return true;
-      case TileSegment::State::Halved:
-        return this->ForLeaves(*segment.Children[0], visit) &&
-          this->ForLeaves(*segment.Children[1], visit);
-      case TileSegment::State::Quartered:
-        return this->ForLeaves(this->QuarterOf(segment), visit);
-      default:
-        return visit(segment);
-    }
-  }
-
   /// Takes the samples of the packet that lie in a segment without children; false where all rays
   /// have ended.
   HWY_NOINLINE bool CastSegment(TileSegment& segment)
@@ -196,160 +139,25 @@ private:
     }
     else
     {
-      this->CastCurves(segment, this->FindParts(segment));
+      this->CastCurves(segment, this->Segments.FindParts(segment));
     }
     return !hn::AllFalse(Df(), this->Samples.State.Alive);
   }
 
-  /// Finds the first part from `part` on, before `end`, in which something may be visible; `end` or
-  /// more if there is none.
-  HWY_INLINE int FindNeeded(TileSegment& segment, int block, int part, int end)
-  {
-    while (part < end)
-    {
-      this->Trees.NeedPart(segment, part);
-      const std::uint32_t needed = segment.Needed[static_cast<std::size_t>(block)] >> part;
-      if (needed != 0)
-      {
-        return part + static_cast<int>(hwy::Num0BitsBelowLS1Bit_Nonzero32(needed));
-      }
-      part = segment.KnownParts;
-    }
-    return part;
-  }
-
-  /// Parts of a segment, before End.
-  struct PartRange
-  {
-    int First;
-    int End;
-  };
-
-  /// The parts of a segment that hold samples of the packet.
-  HWY_INLINE PartRange FindParts(const TileSegment& segment) const
-  {
-    const int samples = std::min(segment.Samples, this->EndSample - segment.FirstSample);
-    return { std::max(0, this->FirstSample - segment.FirstSample) / segment.SamplesPerPart,
-      (samples + segment.SamplesPerPart - 1) / segment.SamplesPerPart };
-  }
-
-  /// The block of a segment that the packet is.
-  HWY_INLINE int BlockIn(const TileSegment& segment) const
-  {
-    return (this->Y - segment.Y) / BlockSide * (segment.Side / BlockSide) +
-      (this->X - segment.X) / BlockSide;
-  }
-
-  static HWY_INLINE int PeakOf(const TileSegment& segment, std::size_t channel, int block, int part)
-  {
-    return segment.Peaks[channel][static_cast<std::size_t>(part)][static_cast<std::size_t>(block)];
-  }
-
-  /// Finds PassedCodes anew, after a part whose first sample is n.
-  HWY_NOINLINE void FindPassedCodes(int n)
+  /// Notes what a part whose first sample is n has changed of the extremes.
+  HWY_NOINLINE void NoteExtremes(int n)
   {
     for (std::size_t c = 0; c < this->Scene.Peaks.size(); ++c)
     {
-      const int before = this->PassedCodes[c];
-      const PacketPeaks& peaks = this->Scene.Peaks[c];
-      const float least = SmallestLane(
-        hn::IfThenElse(this->Samples.State.Alive, this->Blending.GetExtreme(c), Splat(NoExtreme)));
-      // In double precision: one value, of what is no number, may be far away from all others.
-      const double steps = (double{ least } - peaks.Low) * peaks.Scale;
-      const int code = static_cast<int>(std::clamp(steps, 0.0, ValuePeaks::LastCode + 1.0)) - 1;
-      this->PassedCodes[c] = least < peaks.High ? std::min(code, ValuePeaks::LastCode - 1) : code;
-      if (this->PassedCodes[c] > before)
-      {
-        this->Extremes.Numbers[c] = n;
-      }
+      this->Peaks.Note(c, this->Blending.GetExtreme(c), this->Samples.State.Alive, n);
     }
   }
 
-  /// Finds the channels of which a part may hold values above the extremes of rays, a bit each.
-  HWY_INLINE unsigned int FindChannels(const TileSegment& segment, int block, int part) const
+  /// Samples the part of the packet first that is likely to hold the extreme of a channel. What is
+  /// found there is kept as a little less, and found again on the way from front to back.
+  HWY_NOINLINE void SampleLikelyPart(std::size_t channel)
   {
-    unsigned int channels = 0;
-    for (std::size_t c = 0; c < this->Scene.Peaks.size(); ++c)
-    {
-      channels |= PeakOf(segment, c, block, part) > this->PassedCodes[c] ? 1u << c : 0u;
-    }
-    return channels;
-  }
-
-  /// Part of a segment.
-  struct Peak
-  {
-    TileSegment* Segment = nullptr;
-    int Part = 0;
-    int Code = 0; ///< of ValuePeaks, of the values in it
-  };
-
-  /// Makes `peak` the part among `parts` of a segment without children that has the largest bound
-  /// of the values of a channel, if that is larger.
-  void FindPeak(TileSegment& segment, const PartRange& parts, std::size_t channel, Peak& peak)
-  {
-    const int block = this->BlockIn(segment);
-    for (int part = this->FindNeeded(segment, block, parts.First, parts.End); part < parts.End;
-         part = this->FindNeeded(segment, block, part + 1, parts.End))
-    {
-      const int code = PeakOf(segment, channel, block, part);
-      if (code > peak.Code)
-      {
-        peak = { &segment, part, code };
-      }
-    }
-  }
-
-  /// FindPeak() of the part that holds the sample n alone; `first`, `last`: roots of the packet.
-  void FindPeakAt(int n, int first, int last, std::size_t channel, Peak& peak)
-  {
-    const int root = FloorDivide(n, this->Scene.SamplesPerRoot);
-    if (root < first || root > last)
-    {
-      return;
-    }
-    this->ForLeaves(this->Trees.GetRoot(root), [&](TileSegment& segment) {
-      const int offset = n - segment.FirstSample;
-      if (offset < 0 || offset >= segment.Samples)
-      {
-        return true;
-      }
-      if (segment.Known == TileSegment::State::Curves)
-      {
-        const PartRange parts = this->FindParts(segment);
-        const int part = offset / segment.SamplesPerPart;
-        this->FindPeak(
-          segment, { std::max(part, parts.First), std::min(part + 1, parts.End) }, channel, peak);
-      }
-      return false;
-    });
-  }
-
-  /**
-   * Samples the part of the packet before all others in which the packet beside it found the
-   * extreme of a channel or, if there is nothing, that with the largest bound of its values: so
-   * that few others can hold larger values. What is found there is kept as a little less, and found
-   * again on the way from front to back.
-   */
-  HWY_NOINLINE void SampleLikelyPart(std::size_t channel, int first, int last)
-  {
-    Peak peak;
-    peak.Code = std::max(0, this->PassedCodes[channel]);
-    this->FindPeakAt(this->Extremes.Numbers[channel], first, last, channel, peak);
-    const auto find = [this, channel, &peak](TileSegment& segment) {
-      if (segment.Known == TileSegment::State::Curves)
-      {
-        this->FindPeak(segment, this->FindParts(segment), channel, peak);
-      }
-      return true;
-    };
-    if (!peak.Segment)
-    {
-      for (int index = first; index <= last; ++index)
-      {
-        this->ForLeaves(this->Trees.GetRoot(index), find);
-      }
-    }
+    const PeakSearch::Peak peak = this->Peaks.FindLikelyPart(channel);
     if (!peak.Segment)
     {
       return;
@@ -361,13 +169,13 @@ private:
     this->Sought = AllComponents;
     state.Alive = alive;
     this->Blending.LowerExtremes();
-    this->FindPassedCodes(peak.Segment->FirstSample + peak.Part * peak.Segment->SamplesPerPart);
+    this->NoteExtremes(peak.GetFirstSample());
     this->Reach = std::numeric_limits<float>::infinity();
   }
 
-  HWY_NOINLINE void BeginCurves(TileSegment& segment, int x, int y, int block, PacketCurve& curve)
+  HWY_NOINLINE void BeginCurves(TileSegment& segment, int block, PacketCurve& curve)
   {
-    this->FindCurve(segment, x, y, curve);
+    this->FindCurve(segment, curve);
     this->CountSegment(segment);
     this->Samples.Normals.BeginCurve();
     if constexpr (HasVoxelWindow())
@@ -377,11 +185,8 @@ private:
     }
     if (segment.LeapsRays)
     {
-      const Vf scale =
-        hn::Mul(Splat(static_cast<float>(FewSamples)), hn::Mul(curve.PerStep, curve.PerStep));
-      this->MoveChanges = Scale(scale, FindLargestCurvature(curve.Position));
+      this->Leaps.Begin(curve);
     }
-    this->SkipTo = Splat(-1e30f);
     this->Samples.State.Expecting = hn::FirstN(Df(), 0);
   }
 
@@ -405,21 +210,21 @@ private:
 
   HWY_INLINE void CastCurves(TileSegment& segment, const PartRange& parts)
   {
-    const int x = this->X - segment.X;
-    const int y = this->Y - segment.Y;
-    const int block = this->BlockIn(segment);
+    PacketSegments& segments = this->Segments;
+    const int block = segments.BlockIn(segment);
     PacketCurve curve;
     bool begun = false;
     const bool seeking = !this->Scene.Peaks.empty();
     const bool whole = !segment.LeapsRays && !this->Scratch.Positions;
     PartRange run{ parts.First, parts.First };
-    for (run.First = this->FindNeeded(segment, block, parts.First, parts.End);
-         run.First < parts.End; run.First = this->FindNeeded(segment, block, run.End, parts.End))
+    for (run.First = segments.FindNeeded(segment, block, parts.First, parts.End);
+         run.First < parts.End; run.First = segments.FindNeeded(segment, block, run.End, parts.End))
     {
       run.End = run.First + 1;
       if (HWY_UNLIKELY(seeking))
       {
-        const unsigned int channels = this->FindChannels(segment, block, run.First) & this->Sought;
+        const unsigned int channels =
+          this->Peaks.FindChannels(segment, block, run.First) & this->Sought;
         if (channels == 0)
         {
           continue;
@@ -429,7 +234,7 @@ private:
       const int from = segment.FirstSample + run.First * segment.SamplesPerPart;
       if (!begun)
       {
-        this->BeginCurves(segment, x, y, block, curve);
+        this->BeginCurves(segment, block, curve);
         begun = true;
       }
       const bool within = !this->Scene.Grid.Snaps && HasAllVoxels(segment, block, run.First);
@@ -438,8 +243,8 @@ private:
         run.End = std::min(parts.End, FindEndOfRun(segment, block, run.First));
       }
       const int to = std::min({ segment.FirstSample + run.End * segment.SamplesPerPart,
-        segment.FirstSample + segment.Samples, this->EndSample });
-      const int first = std::max(from, this->FirstSample);
+        segment.FirstSample + segment.Samples, segments.EndSample });
+      const int first = std::max(from, segments.FirstSample);
       int n;
       if (HWY_UNLIKELY(!whole))
       {
@@ -457,7 +262,7 @@ private:
       }
       if (HWY_UNLIKELY(seeking) && this->Blending.TakeNews())
       {
-        this->FindPassedCodes(from);
+        this->NoteExtremes(from);
       }
     }
     this->Blending.EndCurve(curve);
@@ -525,7 +330,7 @@ private:
     // followed must not depend on that.
     const int from = segment.FirstSample;
     const int to = this->Trees.FindEndOfSight(
-      this->Rays, from, std::min(segment.FirstSample + segment.Samples, this->EndSample));
+      this->Rays, from, std::min(segment.FirstSample + segment.Samples, this->Segments.EndSample));
     if (to <= from)
     {
       return;
@@ -533,10 +338,8 @@ private:
     this->Trees.NoteWork();
     this->CountSegment(segment);
     this->Blending.Want(AllComponents);
-    const int x = this->X - segment.X;
-    const int y = this->Y - segment.Y;
     PacketCurve about;
-    this->FindCurve(segment, x, y, about);
+    this->FindCurve(segment, about);
     PacketCurve curve;
     const Vf zero = hn::Zero(d);
     for (Vec3& term : curve.Position.Terms)
@@ -575,50 +378,7 @@ private:
     }
   }
 
-  /// Takes the sample of each ray on the plane of Slice.
-  HWY_INLINE void TakeSliceSample()
-  {
-    const Df d;
-    const Vec3 normal = Broadcast(this->Scene.SliceNormal);
-    const Vf t = hn::Div(hn::Sub(Splat(this->Scene.SliceOffset), Dot(normal, this->Rays.Origin)),
-      Dot(normal, this->Rays.Direction));
-    // Planes that touch the volume, or are clipping planes, are seen in spite of rounding errors.
-    const Vf slack = hn::Max(
-      Splat(SliceGuard / this->Scene.VoxelsPerUnit), hn::Mul(hn::Abs(this->Rays.To), Splat(1e-6f)));
-    // False where the ray runs along the plane, too.
-    const Mf crosses = hn::And(this->Samples.State.Alive,
-      hn::And(
-        hn::Ge(t, hn::Sub(this->Rays.From, slack)), hn::Lt(t, hn::Add(this->Rays.To, slack))));
-    if (hn::AllFalse(d, crosses))
-    {
-      return;
-    }
-    const Vec3 p = MulAdd(t, this->Rays.Direction, this->Rays.Origin);
-    const Vec3 local = PullBackFrom(this->Scene, p, EstimatePullBack(this->Scene, p),
-      this->Scene.Tolerance, crosses, this->Scratch.Statistics);
-    const Vec3 q = WholeToIndex(this->Scene, LocalToWhole(this->Scene, local));
-    const Vf near = hn::Mul(slack, Splat(this->Scene.VoxelsPerUnit));
-    const auto inside = [&](Vf x, int a) {
-      const Vf clamped = Clamp(x, Splat(this->Scene.Lower), Splat(this->Scene.Upper[a]));
-      return hn::IfThenElse(hn::Le(hn::Abs(hn::Sub(x, clamped)), near), clamped, x);
-    };
-    const Vf zero = hn::Zero(d);
-    PacketCurve curve;
-    for (Vec3& term : curve.Position.Terms)
-    {
-      term = { zero, zero, zero };
-    }
-    curve.Position.Terms[0] =
-      IndexToWhole(this->Scene, { inside(q.x, 0), inside(q.y, 1), inside(q.z, 2) });
-    curve.T0 = t;
-    curve.Dt = Splat(static_cast<float>(this->Scene.Settings.SampleDistance));
-    curve.PerStep = Splat(1.0f);
-    this->Numbers.First = zero;
-    this->Numbers.Stop = hn::IfThenElseZero(crosses, Splat(1.0f));
-    this->TakeSamples(curve, 0, zero, false);
-  }
-
-  HWY_INLINE void FindCurve(TileSegment& segment, int x, int y, PacketCurve& curve)
+  HWY_INLINE void FindCurve(TileSegment& segment, PacketCurve& curve)
   {
     const Df d;
     curve.Segment = &segment;
@@ -640,10 +400,12 @@ private:
       return;
     }
     this->Trees.NeedColumns(segment);
+    const int x = this->Segments.X - segment.X;
+    const float y = static_cast<float>(this->Segments.Y - segment.Y);
     curve.Interpolated = true;
     curve.X = x;
-    curve.Row = hn::Mul(hn::Add(this->Rows, Splat(static_cast<float>(y))),
-      Splat(3.0f / static_cast<float>(segment.Side - 1)));
+    curve.Row =
+      hn::Mul(hn::Add(this->Rows, Splat(y)), Splat(3.0f / static_cast<float>(segment.Side - 1)));
     Vf rows[4];
     LagrangeWeights(curve.Row, rows);
     curve.Position = FindPacketCurve(segment.Columns, x, rows);
@@ -683,7 +445,7 @@ private:
     }
     if (curve.Segment && curve.Segment->LeapsRays)
     {
-      active = this->LeapFrom(curve, q, s, number, active);
+      active = this->Leaps.LeapFrom(curve, q, s, number, active, this->Samples.State.Expecting);
       if (hn::AllFalse(d, active))
       {
         return;
@@ -745,46 +507,6 @@ private:
     }
   }
 
-  /**
-   * Returns the lanes of `active` whose samples may be visible. A lane whose last sample was
-   * visible expects the next one to be; the others query how many samples of the segment are empty
-   * for certain.
-   */
-  HWY_NOINLINE Mf LeapFrom(const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf active)
-  {
-    const Df d;
-    active = hn::And(active, hn::Ge(number, this->SkipTo));
-    const Mf querying = hn::AndNot(this->Samples.State.Expecting, active);
-    this->Samples.State.Expecting = hn::FirstN(d, 0);
-    if (hn::AllFalse(d, querying))
-    {
-      return active;
-    }
-    const TileSegment& segment = *curve.Segment;
-    float radius[3];
-    for (int a = 0; a < 3; ++a)
-    {
-      // An interval that ends at a sample is empty if its beginning lies in the cube, too.
-      radius[a] = LeapGuard[a] +
-        (this->Scene.ClassifiesIntervals ? std::max(segment.Up[a], segment.Down[a]) : 0.0f);
-    }
-    // Two bounds of the way: that of the rays of all of the tile over all of the segment, and that
-    // of each ray over the next samples.
-    const EmptyCubes cubes(this->Scene, q);
-    const StepsPerUnit ofTile(segment.Up, segment.Down);
-    const StepsPerUnit ofRays(Scale(curve.PerStep, curve.Position.Slope(s)), this->MoveChanges);
-    const Vf steps = hn::Max(cubes.CountSteps(radius, ofTile),
-      hn::Min(cubes.CountSteps(radius, ofRays), Splat(static_cast<float>(FewSamples))));
-    // An interval is empty only if its end lies in the cube, too.
-    const Mf empty =
-      hn::And(querying, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
-    const Vf more = this->Scene.Intervals ? steps : hn::Add(steps, Splat(1.0f));
-    this->SkipTo = hn::IfThenElse(empty, hn::Add(number, more), this->SkipTo);
-    this->Scratch.Statistics.DistanceLookups +=
-      static_cast<std::int64_t>(hn::CountTrue(d, hn::And(empty, IsInside(this->Scene, q))));
-    return hn::AndNot(empty, active);
-  }
-
   HWY_NOINLINE void NotePositions(const Vec3& q, Vf t, Mf lanes)
   {
     const Df d;
@@ -799,8 +521,8 @@ private:
     {
       if (flag[lane] != 0.0f)
       {
-        this->Scratch.Positions->push_back({ this->Trees.GetX() + this->X + lane % width,
-          this->Trees.GetY() + this->Y + lane / width, times[lane],
+        this->Scratch.Positions->push_back({ this->Trees.GetX() + this->Segments.X + lane % width,
+          this->Trees.GetY() + this->Segments.Y + lane / width, times[lane],
           { x[lane], y[lane], z[lane] } });
       }
     }
@@ -819,19 +541,12 @@ private:
   SegmentTrees& Trees;
   PacketScratch& Scratch;
   const RayPacket& Rays;
-  int X; ///< first pixel, from that of the roots
-  int Y;
-  Vf Rows; ///< of the pixels, from Y on
+  PacketSegments Segments;
+  Vf Rows; ///< of the pixels, from the first one on
   SampleNumbers Numbers;
-  int FirstSample; ///< of all rays
-  int EndSample;
-  ExtremeSamples& Extremes;
   float Reach = std::numeric_limits<float>::infinity();
-  Vec3 MoveChanges; ///< bounds for few samples, where single rays leap
-  Vf SkipTo;        ///< samples of the segment before this one are empty for certain
-  /// Where extremes of channels are looked for, the codes of ValuePeaks up to which parts hold no
-  /// value above the extremes of all rays.
-  std::array<int, LargestNumberOfChannels> PassedCodes{ { -1, -1, -1, -1 } };
+  RayLeaps Leaps;
+  PeakSearch Peaks;
   unsigned int Sought = AllComponents; ///< channels whose extremes are looked for, a bit each
   PacketCompositor<T> Samples;
   PacketBlending<T> Blending;
