@@ -19,35 +19,6 @@ namespace ffd
 namespace
 {
 
-/// Differences of neighbors along an axis.
-Grid<glm::dvec3> FindDifferences(const Grid<glm::dvec3>& nodes, int axis)
-{
-  glm::ivec3 next(0);
-  next[axis] = 1;
-  Grid<glm::dvec3> differences(nodes.Size - next);
-  for (int k = 0; k < differences.Size.z; ++k)
-  {
-    for (int j = 0; j < differences.Size.y; ++j)
-    {
-      for (int i = 0; i < differences.Size.x; ++i)
-      {
-        differences.At(i, j, k) = nodes.At(i + next.x, j + next.y, k + next.z) - nodes.At(i, j, k);
-      }
-    }
-  }
-  return differences;
-}
-
-glm::dvec3 FindLargest(const Grid<glm::dvec3>& values)
-{
-  glm::dvec3 largest(0.0);
-  for (const glm::dvec3& value : values.Values)
-  {
-    largest = glm::max(largest, glm::abs(value));
-  }
-  return largest;
-}
-
 /// The sum of products of an entry of each vector, of different axes: a determinant with all signs
 /// alike.
 double FindPermanent(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)

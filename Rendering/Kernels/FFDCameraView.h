@@ -155,8 +155,7 @@ struct CameraView
   double DepthToT(const ViewRay& ray, double x, double y, double depth) const
   {
     const glm::dvec2 ndc = this->ToNdc(x, y);
-    const glm::dvec3 p = this->ToData(glm::dvec3(ndc, 2.0 * depth - 1.0));
-    return glm::dot(p - ray.Origin, ray.Direction);
+    return ray.FindNearestT(this->ToData(glm::dvec3(ndc, 2.0 * depth - 1.0)));
   }
 };
 

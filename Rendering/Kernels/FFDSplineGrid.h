@@ -65,6 +65,36 @@ Grid<T> SumAlong(const Grid<T>& from, int axis, const std::vector<std::array<dou
   return to;
 }
 
+/// Differences of neighbors along an axis.
+inline Grid<glm::dvec3> FindDifferences(const Grid<glm::dvec3>& nodes, int axis)
+{
+  glm::ivec3 next(0);
+  next[axis] = 1;
+  Grid<glm::dvec3> differences(nodes.Size - next);
+  for (int k = 0; k < differences.Size.z; ++k)
+  {
+    for (int j = 0; j < differences.Size.y; ++j)
+    {
+      for (int i = 0; i < differences.Size.x; ++i)
+      {
+        differences.At(i, j, k) = nodes.At(i + next.x, j + next.y, k + next.z) - nodes.At(i, j, k);
+      }
+    }
+  }
+  return differences;
+}
+
+/// The largest absolute value of each axis.
+inline glm::dvec3 FindLargest(const Grid<glm::dvec3>& values)
+{
+  glm::dvec3 largest(0.0);
+  for (const glm::dvec3& value : values.Values)
+  {
+    largest = glm::max(largest, glm::abs(value));
+  }
+  return largest;
+}
+
 /// The largest difference of a cubic B-spline from what is interpolated linearly, axis by axis,
 /// between points `step` cells apart. `nodes`: the coefficients.
 inline glm::dvec3 FindBulge(const Grid<glm::dvec3>& nodes, const glm::dvec3& step)
@@ -72,22 +102,7 @@ inline glm::dvec3 FindBulge(const Grid<glm::dvec3>& nodes, const glm::dvec3& ste
   glm::dvec3 bulge(0.0);
   for (int a = 0; a < 3; ++a)
   {
-    glm::dvec3 second(0.0);
-    glm::ivec3 next(0);
-    next[a] = 1;
-    for (int k = next.z; k < nodes.Size.z - next.z; ++k)
-    {
-      for (int j = next.y; j < nodes.Size.y - next.y; ++j)
-      {
-        for (int i = next.x; i < nodes.Size.x - next.x; ++i)
-        {
-          second = glm::max(second,
-            glm::abs(nodes.At(i - next.x, j - next.y, k - next.z) - 2.0 * nodes.At(i, j, k) +
-              nodes.At(i + next.x, j + next.y, k + next.z)));
-        }
-      }
-    }
-    bulge += second * (step[a] * step[a] / 8.0);
+    bulge += FindLargest(FindDifferences(FindDifferences(nodes, a), a)) * (step[a] * step[a] / 8.0);
   }
   return bulge;
 }
