@@ -144,11 +144,19 @@ std::size_t TransferTable::GetMemorySize() const
 //------------------------------------------------------------------------------
 TransmittanceTable::TransmittanceTable()
 {
-  this->Entries.resize(Range * EntriesPerUnit + 2, 0.0f);
+  static const std::vector<float> entries = MakeEntries();
+  this->Entries = entries.data();
+}
+
+//------------------------------------------------------------------------------
+std::vector<float> TransmittanceTable::MakeEntries()
+{
+  std::vector<float> entries(Range * EntriesPerUnit + 2, 0.0f);
   for (int i = 0; i < Range * EntriesPerUnit; ++i)
   {
-    this->Entries[i] = std::exp2(-static_cast<float>(i) / EntriesPerUnit);
+    entries[i] = std::exp2(-static_cast<float>(i) / EntriesPerUnit);
   }
+  return entries;
 }
 
 //------------------------------------------------------------------------------

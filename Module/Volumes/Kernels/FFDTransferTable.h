@@ -127,7 +127,10 @@ public:
 private:
   static constexpr int EntriesPerUnit = 256;
   static constexpr int Range = 24;
-  std::vector<float> Entries;
+
+  static std::vector<float> MakeEntries();
+
+  const float* Entries; // the same of all
 };
 
 } // namespace ffd
