@@ -434,6 +434,8 @@ void SetOptics(
     kind.Components ? FindDensityComponent(classifier.GetFunctions().Kind, 0) : 0;
   AddTable(*scene.Table, component, p);
   p.UnitDistance = static_cast<float>(scene.Table->GetUnitDistance());
+  p.UnitIsInterval = p.Settings.Opacity == OpacityLength::Deformed &&
+    p.Settings.SampleDistance == scene.Table->GetUnitDistance();
   p.ReferenceLength = static_cast<float>(classifier.GetReferenceLength());
   if (kind.Masked)
   {
@@ -452,6 +454,9 @@ void SetOptics(
   }
   if (kind.Composites && byTable)
   {
+    const PacketTable::Range& range = p.Table.GetRange(0);
+    p.Pieces = FindPiecewiseOptics(
+      *scene.Table, static_cast<double>(range.Low), static_cast<double>(range.Scale));
     p.Gradients = MakeGradientOpacity(classifier.GetGradientOpacity(), classifier, p.Volume, 0);
   }
   p.ReferenceIsInterval = p.Settings.Opacity == OpacityLength::Deformed &&

@@ -13,6 +13,7 @@
 #include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
 #include "FFDParallelFor.h"
+#include "FFDPiecewiseOptics.h"
 #include "FFDTileBounds.h"
 #include "FFDTileSegment.h"
 #include "FFDVisibleSpace.h"
@@ -244,7 +245,8 @@ struct PacketScene
     false; ///< rays take a sample where dot(SliceNormal, local) is SliceOffset, no other
   float SliceNormal[3] = {};
   float SliceOffset = 0.0f;
-  float UnitDistance = 1.0f; ///< of the table
+  float UnitDistance = 1.0f;   ///< of the table
+  bool UnitIsInterval = false; ///< whether samples stand for intervals of that length
   bool Parallel = false;
   float Eye[3] = {}; ///< in the space of the lights
 
@@ -263,7 +265,8 @@ struct PacketScene
   int Blocks[3] = {};
   float LastBlock[3] = {};
 
-  PacketTable Table; ///< and behind it those of the labels
+  PacketTable Table;      ///< and behind it those of the labels
+  PiecewiseOptics Pieces; ///< of the first table, where samples are looked up in no other
   PacketMask Mask;
   ValueRange Visible; ///< of one component
 

@@ -184,11 +184,27 @@ private:
     const bool mixed = labeled && (byPlane || mask.BlendFactor < 1.0f);
     const Vi tables =
       labeled ? FindLabelTables(mask, FindMaskPosition(this->Scene, q)) : hn::Zero(Di());
+    const bool byPieces = !OfPlane && PieceLookup::Knows(this->Scene.Pieces);
+    // Whether opacities of pieces are those of the interval.
+    const bool direct =
+      byPieces && this->Scene.UnitIsInterval && (!byGradient || this->Scene.ReferenceIsInterval);
+    PieceLookup pieces;
     TableLookup lookup;
     TableLookup base;
     Vf extinction = Splat(1.0f);
+    Vf opacity = hn::Zero(d);
     Mf visible = sampled;
-    if (!byPlane)
+    if (HWY_LIKELY(byPieces))
+    {
+      pieces = PieceLookup(this->Scene.Pieces, value);
+      opacity = pieces.Opacity();
+      visible = hn::And(sampled, hn::Gt(opacity, hn::Zero(d)));
+      if (HWY_UNLIKELY(!direct))
+      {
+        extinction = OpaqueExtinctionOver(opacity, this->Scene.UnitDistance);
+      }
+    }
+    else if (!byPlane)
     {
       lookup = labeled ? TableLookup(this->Scene, value, tables) : TableLookup(this->Scene, value);
       extinction = lookup.Extinction();
@@ -232,7 +248,6 @@ private:
     // Opacities that are not of the table are over a length, which mostly is the interval.
     const bool weighed = mixed || byGradient || byPlane;
     Vf factor = Splat(1.0f);
-    Vf opacity = hn::Zero(d);
     if (HWY_UNLIKELY(mixed && byPlane))
     {
       const PlaneTexel mix = MixPlaneWithLabels(
@@ -253,7 +268,7 @@ private:
     else if (byGradient)
     {
       factor = labeled ? FactorOf(mask, tables, gradient) : FactorOf(gradients, gradient);
-      opacity = hn::Mul(OpacityOf(this->Scene, extinction), factor);
+      opacity = hn::Mul(direct ? opacity : OpacityOf(this->Scene, extinction), factor);
     }
     if (weighed)
     {
@@ -268,7 +283,7 @@ private:
 
     if (HWY_LIKELY(!mixed && !byPlane))
     {
-      color = lookup.Color();
+      color = byPieces ? pieces.Color() : lookup.Color();
     }
     const Vf t = curve.TimeAt(s);
     if (HWY_UNLIKELY(byOpacity))
@@ -294,6 +309,11 @@ private:
       const Mf exact = mixed || byPlane ? hn::FirstN(d, 0) : hn::Ge(factor, Splat(1.0f));
       extinction = hn::IfThenElse(exact, extinction,
         OpaqueExtinctionOver(opacity, ofTexel ? plane.UnitDistance : this->Scene.ReferenceLength));
+    }
+    if (HWY_LIKELY(direct))
+    {
+      return this->State.Add(visible, color, hn::Sub(Splat(1.0f), opacity), t,
+        this->Scene.Settings.TerminationTransmittance);
     }
     this->AddColor(color, extinction, visible, curve, s, t);
   }
