@@ -7,6 +7,7 @@
 
 #include <glm/vec3.hpp>
 
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <vector>
@@ -29,6 +30,12 @@ struct TableLayout
  */
 FFD_VOLUMES_EXPORT TableLayout LayOutTable(double low, double high, double first, double last,
   const std::function<int(double, double)>& estimate);
+
+/// Opacity of an interval of a length, data units, by its extinction per data unit.
+inline double OpacityOver(double extinction, double length)
+{
+  return -std::expm1(-extinction * length * 0.69314718055994531);
+}
 
 /**
  * Color and extinction over the scalar range, sampled at equal steps and interpolated linearly.

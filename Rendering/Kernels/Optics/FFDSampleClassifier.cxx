@@ -17,12 +17,6 @@ namespace ffd
 namespace
 {
 
-/// Opacity of an interval.
-double OpacityOver(double extinction, double length)
-{
-  return -std::expm1(-extinction * length * 0.69314718055994531);
-}
-
 /// Extinction that gives an interval an opacity.
 double ExtinctionOver(double opacity, double length)
 {

@@ -434,9 +434,12 @@ void SetOptics(
     kind.Components ? FindDensityComponent(classifier.GetFunctions().Kind, 0) : 0;
   AddTable(*scene.Table, component, p);
   p.UnitDistance = static_cast<float>(scene.Table->GetUnitDistance());
-  p.UnitIsInterval = p.Settings.Opacity == OpacityLength::Deformed &&
-    p.Settings.SampleDistance == scene.Table->GetUnitDistance();
   p.ReferenceLength = static_cast<float>(classifier.GetReferenceLength());
+  const auto isInterval = [&](double length) {
+    return p.Settings.Opacity == OpacityLength::Deformed && p.Settings.SampleDistance == length;
+  };
+  p.UnitIsInterval = isInterval(scene.Table->GetUnitDistance());
+  p.ReferenceIsInterval = isInterval(classifier.GetReferenceLength());
   if (kind.Masked)
   {
     SetMask(classifier, p);
@@ -459,8 +462,6 @@ void SetOptics(
       *scene.Table, static_cast<double>(range.Low), static_cast<double>(range.Scale));
     p.Gradients = MakeGradientOpacity(classifier.GetGradientOpacity(), classifier, p.Volume, 0);
   }
-  p.ReferenceIsInterval = p.Settings.Opacity == OpacityLength::Deformed &&
-    p.Settings.SampleDistance == classifier.GetReferenceLength();
   p.OpacityByGradient = p.Gradients.Factors || !p.Mask.GradientRanges.empty() ||
     (kind.Plane && !p.Plane.SecondAxis.Scalars);
 }

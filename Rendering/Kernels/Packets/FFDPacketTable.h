@@ -6,7 +6,6 @@
 #include "FFDTransferTable.h"
 #include "Optics/FFDTransferInterval.h"
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -63,8 +62,7 @@ public:
     const Range& range = this->Ranges[table];
     this->Opacities.resize(this->Intervals.size());
     const auto find = [length](float extinction) {
-      return static_cast<float>(
-        -std::expm1(-std::log(2.0) * static_cast<double>(extinction) * length));
+      return static_cast<float>(OpacityOver(static_cast<double>(extinction), length));
     };
     const std::size_t first = static_cast<std::size_t>(range.First);
     const std::size_t end = first + static_cast<std::size_t>(range.Intervals);

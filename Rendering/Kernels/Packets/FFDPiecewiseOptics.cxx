@@ -39,8 +39,8 @@ std::vector<Entry> FindEntries(const TransferTable& table)
   const float* entry = table.GetEntries();
   for (Entry& to : entries)
   {
-    const double depth = static_cast<double>(entry[3]) * table.GetUnitDistance();
-    to = { depth > 0.0 ? -std::expm1(-std::log(2.0) * depth) : 0.0, entry[0], entry[1], entry[2] };
+    to = { OpacityOver(static_cast<double>(entry[3]), table.GetUnitDistance()), entry[0], entry[1],
+      entry[2] };
     entry += 4;
   }
   return entries;
