@@ -367,7 +367,7 @@ vtkTypeInt64 vtkFFDFrameCache::GetNumberOfBuilds(int part) const
 std::size_t vtkFFDFrameCache::GetMemorySize() const
 {
   const vtkDataArray* scalars = this->VectorScalars.GetLast();
-  return this->Space.GetLast().GetMemorySize() + this->Functions.GetLast().Optics.GetMemorySize() +
+  return this->Space.GetLast().GetMemorySize() + this->Functions.GetLast().GetMemorySize() +
     this->Field.GetMemorySize() + this->PullBack.GetLast().GetMemorySize() +
     this->Voxels.GetLast().Hidden.GetMemorySize() +
     (scalars ? static_cast<std::size_t>(scalars->GetActualMemorySize()) * 1024 : 0) +

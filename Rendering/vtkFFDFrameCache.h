@@ -18,6 +18,7 @@
 #include "vtkFFDVoxels.h"
 
 #include "FFDCropping.h"
+#include "FFDFunctionCache.h"
 #include "FFDStage.h"
 #include "Optics/FFDBlending.h"
 #include "Optics/FFDSampleClassifier.h"
@@ -66,6 +67,7 @@ public:
   const ffd::VolumeView& GetSecondAxis() const { return this->SecondAxis; }
   const ffd::BoundedPullBack& GetPullBack() const { return *this->PullBack->Last; }
   const ffd::OpticalFunctions& GetFunctions() const { return this->Functions->Optics; }
+  ffd::FunctionCache* GetKeptOfFunctions() const { return this->Functions->KeptOfThem.get(); }
   /// Of the scalars of each component.
   const std::vector<ffd::MinMaxBlocks::Limits>& GetRanges() const
   {

@@ -71,6 +71,7 @@ vtkFFDFrameScene::vtkFFDFrameScene(vtkFFDInverseRayVolumeMapper* mapper,
     ? ffd::Interpolation::Nearest
     : ffd::Interpolation::Linear;
   scene.Table = &cache.GetFunctions().Components[0].Table;
+  scene.KeptOfFunctions = cache.GetKeptOfFunctions();
   scene.Distances = cache.GetDistances();
   scene.Ranges = &cache.GetRanges();
   scene.Peaks = cache.GetPeaks();

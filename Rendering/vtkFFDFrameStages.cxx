@@ -407,7 +407,14 @@ Made MakeTransferFunctions(TransferFunctions& result, StageTools& tools,
   }
   result.Facts = std::move(facts);
   result.Optics = std::move(optics);
+  result.KeptOfThem = std::make_unique<FunctionCache>();
   return Made::Anew;
+}
+
+//------------------------------------------------------------------------------
+std::size_t TransferFunctions::GetMemorySize() const
+{
+  return this->Optics.GetMemorySize() + (this->KeptOfThem ? this->KeptOfThem->GetMemorySize() : 0);
 }
 
 //------------------------------------------------------------------------------

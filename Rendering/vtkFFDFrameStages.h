@@ -17,6 +17,7 @@
 #include "FFDBSplineField.h"
 #include "FFDDistanceMap.h"
 #include "FFDFieldCache.h"
+#include "FFDFunctionCache.h"
 #include "FFDMinMaxBlocks.h"
 #include "FFDPullBack.h"
 #include "FFDStage.h"
@@ -119,6 +120,10 @@ struct TransferFunctions
   ScalarFacts Facts; ///< that they were made for
   OpticalFunctions Optics;
   std::uint64_t Visibility = 0; ///< another number when other scalars are transparent
+  /// Of Optics; frames add what they need.
+  std::unique_ptr<FunctionCache> KeptOfThem;
+
+  std::size_t GetMemorySize() const;
 };
 
 /// A property with its time; that of the functions of labels counts, too. VTK makes the functions

@@ -57,6 +57,7 @@ enum class Classification
 };
 
 class FieldCache;
+class FunctionCache;
 class SampleClassifier;
 
 /// Parameters of ERROR_BOUND.
@@ -112,6 +113,8 @@ struct CastScene
   VolumeView Volume;
   Interpolation VolumeInterpolation = Interpolation::Linear;
   const TransferTable* Table = nullptr;
+  FunctionCache* KeptOfFunctions = nullptr; ///< of Table and those of Classifier, kept from frame
+                                            ///< to frame; or null
   const SampleClassifier* Classifier = nullptr; ///< null: one component by Table and Material
   const DistanceMap* Distances = nullptr;       ///< may be null when Leaping is Off
   /// Of the scalars of each component of Volume; null: not known.

@@ -7,6 +7,8 @@
 #include "FFDRayCaster.h"
 #include "FFDScalarDispatch.h"
 #include "Optics/FFDSampleClassifier.h"
+#include "Packets/FFDPiecewiseOptics.h"
+#include "TestVolume.h"
 
 #include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>
@@ -125,6 +127,25 @@ public:
       }
     });
     this->MakeBlocks();
+  }
+
+  /// Values are transparent up to 20, and their opacity over the unit distance rises to 0.8. Colors
+  /// go up and down `waves` times.
+  void SetFunction(double waves, double unitDistance)
+  {
+    const auto part = [this](double value) {
+      return (value - this->First) / (this->Last - this->First);
+    };
+    this->Table = MakeTable(
+      this->First, this->Last, 1601, [=](double value) { return std::max(0.0, part(value) - 0.2); },
+      [=](double value) {
+        const double wave = 0.5 + 0.5 * std::sin(6.28 * waves * part(value));
+        return glm::dvec3(part(value), wave, 1.0 - wave);
+      },
+      unitDistance);
+    this->Distances = DistanceMap(this->Blocks, this->Table);
+    this->Scene.Table = &this->Table;
+    this->Scene.Distances = &this->Distances;
   }
 
   /// Values up to `least` of 0 to 100 are transparent.
@@ -596,6 +617,41 @@ TEST(PacketCaster, Options)
 }
 
 /// Whole powers are multiplied, others are not.
+/// Transfer functions of few and many pieces, which are looked up in registers, and of too many.
+TEST(PacketCaster, TransferFunctions)
+{
+  std::vector<int> pieces;
+  for (const double waves : { 0.0, 0.3, 0.6, 8.0 })
+  {
+    for (const double unitDistance : { 0.7, 1.0, 4.0 })
+    {
+      for (const OpacityLength length : { OpacityLength::Deformed, OpacityLength::Material })
+      {
+        SCOPED_TRACE(std::to_string(waves) + " waves, unit distance " +
+          std::to_string(unitDistance) + ", opacity length " +
+          std::to_string(static_cast<int>(length)));
+        TestScene scene(ScalarType::UInt8, 7);
+        scene.SetFunction(waves, unitDistance);
+        scene.SetDeformation(1.5, PullBackKind::Exact);
+        scene.SetCamera(true, 64, 48);
+        scene.Settings.SampleDistance = 0.7;
+        scene.Settings.Opacity = length;
+        ExpectSamePicture(scene);
+        const TransferTable& table = *scene.Scene.Table;
+        pieces.push_back(FindPiecewiseOptics(table, table.GetLow(), table.GetScale(), 0.7).Pieces);
+      }
+    }
+  }
+  const auto isBetween = [](int first, int last) {
+    return [=](int count) { return count >= first && count <= last; };
+  };
+  // None, few, those of one vector of 16 and of two.
+  EXPECT_TRUE(std::any_of(pieces.begin(), pieces.end(), isBetween(0, 0)));
+  EXPECT_TRUE(std::any_of(pieces.begin(), pieces.end(), isBetween(1, 8)));
+  EXPECT_TRUE(std::any_of(pieces.begin(), pieces.end(), isBetween(9, 16)));
+  EXPECT_TRUE(std::any_of(pieces.begin(), pieces.end(), isBetween(17, 32)));
+}
+
 TEST(PacketCaster, SpecularPowers)
 {
   for (const float power : { 0.0f, 1.0f, 7.0f, 7.5f, 128.0f, 200.0f })

@@ -38,7 +38,7 @@ double FindOpacity(const PiecewiseOptics& optics, double value)
 
 PiecewiseOptics FindPieces(const TransferTable& table)
 {
-  return FindPiecewiseOptics(table, table.GetLow(), table.GetScale());
+  return FindPiecewiseOptics(table, table.GetLow(), table.GetScale(), table.GetUnitDistance());
 }
 
 double OpacityOf(double extinction) { return 1.0 - std::exp2(-extinction); }
@@ -78,10 +78,10 @@ TEST(PiecewiseOptics, TellsWhatTheTableTells)
   {
     const TransferTable::Sample sample = table.Lookup(x);
     const double opacity = OpacityOf(static_cast<double>(sample.Extinction));
-    EXPECT_NEAR(FindOpacity(optics, x), opacity, 2e-3 * opacity + 1e-4) << x;
+    EXPECT_NEAR(FindOpacity(optics, x), opacity, 3e-3 * opacity + 1e-4) << x;
     for (int c = 0; c < 3; ++c)
     {
-      EXPECT_NEAR(Find(optics, c + 1, x), static_cast<double>(sample.Color[c]), 1.1 / 2048.0) << x;
+      EXPECT_NEAR(Find(optics, c + 1, x), static_cast<double>(sample.Color[c]), 1.1 / 1024.0) << x;
     }
   }
 }
@@ -123,6 +123,39 @@ TEST(PiecewiseOptics, UnitDistanceAndOpaqueEnds)
   EXPECT_EQ(line.Pieces, 1);
   EXPECT_NEAR(FindOpacity(line, 1.0), 0.25, 1e-3);
   EXPECT_NEAR(FindOpacity(line, 9.0), 1.0, 1e-6);
+}
+
+TEST(PiecewiseOptics, OpacitiesOverAnyLength)
+{
+  const auto ramp = [](double x) { return 0.9 * std::clamp((x - 70.0) / 80.0, 0.0, 1.0); };
+  const TransferTable table = MakeTable(
+    0.0, 255.0, 2041, ramp, [](double) { return glm::dvec3(1.0); }, 2.0);
+  int last = 0;
+  for (const double length : { 2.0, 1.5, 1.0, 4.0 })
+  {
+    const PiecewiseOptics optics =
+      FindPiecewiseOptics(table, table.GetLow(), table.GetScale(), length);
+    EXPECT_EQ(optics.Length, static_cast<float>(length));
+    EXPECT_GT(optics.Pieces, last) << "The more, the more it is curved.";
+    last = optics.Pieces;
+    for (double x = -20.0; x < 280.0; x += 0.37)
+    {
+      const double opacity = 1.0 - std::pow(1.0 - ramp(x), length / 2.0);
+      EXPECT_NEAR(FindOpacity(optics, x), opacity, 3e-3 * opacity + 1e-4) << x;
+    }
+  }
+  EXPECT_GT(last, 8);
+}
+
+TEST(PiecewiseOptics, BehindTheLastPieceNothingIsReached)
+{
+  const PiecewiseOptics optics =
+    FindPieces(MakeTable(0.0, 255.0, 1021, [](double x) { return x / 512.0; }));
+  ASSERT_EQ(optics.Pieces, 1);
+  for (int i = 1; i < PiecewiseOptics::LargestNumberOfPieces; ++i)
+  {
+    EXPECT_GT(optics.Begin[i], 1e38f) << i;
+  }
 }
 
 TEST(PiecewiseOptics, FunctionsOfManyPiecesHaveNone)

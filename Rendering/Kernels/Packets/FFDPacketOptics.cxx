@@ -58,8 +58,25 @@ double AsFetched(const PacketVolume& volume, int component, double value)
 /// Adds a transfer table; its range is that of the values of a component as fetched.
 void AddTable(const TransferTable& table, int component, PacketScene& scene)
 {
-  scene.Table.Add(table, static_cast<float>(AsFetched(scene.Volume, component, table.GetLow())),
-    static_cast<float>(table.GetScale() / scene.Volume.Scale[component]));
+  const double low = AsFetched(scene.Volume, component, table.GetLow());
+  const double scale = table.GetScale() / scene.Volume.Scale[component];
+  const bool composites = scene.Sampling == PacketSampling::Composite;
+  const double length =
+    composites ? static_cast<double>(scene.OpacityLength) : table.GetUnitDistance();
+  scene.Table.Add({ &table, low, scale, length, !composites || !scene.ByExtinctions });
+}
+
+/// Whether opacities of composited samples are more than those of one table.
+bool WeighsOpacities(const SampleClassifier& classifier, const FrameKind& kind)
+{
+  const OpticalFunctions& functions = classifier.GetFunctions();
+  const auto hasGradients = [](const auto& optics) { return !optics.Gradients.IsEmpty(); };
+  const bool labeled = kind.Masked && classifier.GetMask().Labels;
+  return kind.Plane || functions.Components.size() > 1 ||
+    !functions.Components[0].Plane.IsEmpty() || hasGradients(functions.Components[0]) ||
+    (labeled &&
+      (classifier.GetMask().BlendFactor < 1.0f ||
+        std::any_of(functions.Labels.begin(), functions.Labels.end(), hasGradients)));
 }
 
 /// The scale that takes gradients of a component as packets fetch them, differences over two voxels
@@ -333,16 +350,6 @@ void AddComponents(const SampleClassifier& classifier, const Shading& material,
   }
 }
 
-/// Finds the opacities that normals are made of.
-void FindOpacities(const CastScene& scene, const OpticalFunctions& functions, PacketScene& p)
-{
-  p.Table.FindOpacities(0, scene.Table->GetUnitDistance());
-  for (std::size_t i = 1; i < p.Components.size(); ++i)
-  {
-    p.Table.FindOpacities(i, functions.Components[i].Table.GetUnitDistance());
-  }
-}
-
 /// Finds the range of values of one component outside of which nothing is visible.
 ValueRange FindVisibleRange(
   const CastScene& scene, const OpticalFunctions& functions, const PacketScene& p)
@@ -375,7 +382,6 @@ void AddChannels(const CastScene& scene, const OpticalFunctions& functions, Pack
     channel.AverageMin = fetched(blend.AverageMin);
     channel.AverageMax = fetched(blend.AverageMax);
     channel.Weight = static_cast<float>(blend.Weight[i]);
-    channel.UnitDistance = static_cast<float>(functions.Components[i].Table.GetUnitDistance());
     channel.AdditiveDistance = static_cast<float>(blend.UnitDistance[i]);
     p.Channels.push_back(channel);
   }
@@ -432,14 +438,14 @@ void SetOptics(
 {
   const int component =
     kind.Components ? FindDensityComponent(classifier.GetFunctions().Kind, 0) : 0;
+  const bool deformed = p.Settings.Opacity == OpacityLength::Deformed;
+  const bool weighs = WeighsOpacities(classifier, kind);
+  const double length =
+    deformed && !weighs ? p.Settings.SampleDistance : classifier.GetReferenceLength();
+  p.ByExtinctions = !deformed && !weighs;
+  p.OpacityLength = static_cast<float>(length);
+  p.OpacityIsInterval = deformed && p.Settings.SampleDistance == length;
   AddTable(*scene.Table, component, p);
-  p.UnitDistance = static_cast<float>(scene.Table->GetUnitDistance());
-  p.ReferenceLength = static_cast<float>(classifier.GetReferenceLength());
-  const auto isInterval = [&](double length) {
-    return p.Settings.Opacity == OpacityLength::Deformed && p.Settings.SampleDistance == length;
-  };
-  p.UnitIsInterval = isInterval(scene.Table->GetUnitDistance());
-  p.ReferenceIsInterval = isInterval(classifier.GetReferenceLength());
   if (kind.Masked)
   {
     SetMask(classifier, p);
@@ -457,9 +463,6 @@ void SetOptics(
   }
   if (kind.Composites && byTable)
   {
-    const PacketTable::Range& range = p.Table.GetRange(0);
-    p.Pieces = FindPiecewiseOptics(
-      *scene.Table, static_cast<double>(range.Low), static_cast<double>(range.Scale));
     p.Gradients = MakeGradientOpacity(classifier.GetGradientOpacity(), classifier, p.Volume, 0);
   }
   p.OpacityByGradient = p.Gradients.Factors || !p.Mask.GradientRanges.empty() ||
@@ -585,7 +588,7 @@ void SetShading(const CastScene& scene, const CastSettings& settings,
   p.NormalsOfOpacity = p.Shade && classifier.HasNormalsOfOpacity();
   if (p.NormalsOfOpacity)
   {
-    FindOpacities(scene, classifier.GetFunctions(), p);
+    p.Table.AddOpacities();
   }
 }
 

@@ -3,6 +3,7 @@
 #include "FFDPacketScene.h"
 
 #include "FFDFieldCache.h"
+#include "FFDFunctionCache.h"
 #include "FFDPacketOptics.h"
 #include "FFDRounding.h"
 #include "FFDSamplePhase.h"
@@ -333,6 +334,8 @@ PacketScene MakePacketScene(
   SetClipping(scene, p);
   SetLeaping(scene, settings, p);
   SetShading(scene, settings, classifier, p);
+  p.Table.Fill(
+    scene.KeptOfFunctions ? scene.KeptOfFunctions->FindContents(p.Table) : p.Table.MakeContents());
 
   p.Inner =
     p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components && !p.Grid.Snaps;

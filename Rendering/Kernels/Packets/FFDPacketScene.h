@@ -13,7 +13,6 @@
 #include "FFDPacketTable.h"
 #include "FFDPacketVolume.h"
 #include "FFDParallelFor.h"
-#include "FFDPiecewiseOptics.h"
 #include "FFDTileBounds.h"
 #include "FFDTileSegment.h"
 #include "FFDVisibleSpace.h"
@@ -102,7 +101,7 @@ struct PacketSurfaceValue
   float Opacity;
 };
 
-/// Factors of the opacity over PacketScene::ReferenceLength, by the length of Scale times the
+/// Factors of the opacity over PacketScene::OpacityLength, by the length of Scale times the
 /// gradient as fetched.
 struct PacketGradientOpacity
 {
@@ -155,7 +154,6 @@ struct PacketChannel
   float AverageMin = 0.0f;
   float AverageMax = 0.0f;
   float Weight = 1.0f;
-  float UnitDistance = 1.0f;     ///< of the table
   float AdditiveDistance = 1.0f; ///< of Blending
   int Component = 0;             ///< that the range is of
 };
@@ -245,8 +243,6 @@ struct PacketScene
     false; ///< rays take a sample where dot(SliceNormal, local) is SliceOffset, no other
   float SliceNormal[3] = {};
   float SliceOffset = 0.0f;
-  float UnitDistance = 1.0f;   ///< of the table
-  bool UnitIsInterval = false; ///< whether samples stand for intervals of that length
   bool Parallel = false;
   float Eye[3] = {}; ///< in the space of the lights
 
@@ -265,8 +261,7 @@ struct PacketScene
   int Blocks[3] = {};
   float LastBlock[3] = {};
 
-  PacketTable Table;      ///< and behind it those of the labels
-  PiecewiseOptics Pieces; ///< of the first table, where samples are looked up in no other
+  PacketTable Table; ///< and behind it those of the labels
   PacketMask Mask;
   ValueRange Visible; ///< of one component
 
@@ -275,11 +270,13 @@ struct PacketScene
   bool ClassifiesIntervals = false;
   PacketIntegrals Integrals;
 
-  PacketPlane Plane;                ///< in the place of the first table
-  PacketGradientOpacity Gradients;  ///< of the first component, unless labels have theirs
-  bool OpacityByGradient = false;   ///< whether extinctions depend on gradients
-  float ReferenceLength = 1.0f;     ///< over which gradient opacities and components are weighed
-  bool ReferenceIsInterval = false; ///< whether samples stand for intervals of that length
+  PacketPlane Plane;               ///< in the place of the first table
+  PacketGradientOpacity Gradients; ///< of the first component, unless labels have theirs
+  bool OpacityByGradient = false;  ///< whether extinctions depend on gradients
+  float OpacityLength = 1.0f;      ///< over which opacities of composited samples are
+  bool OpacityIsInterval = false;  ///< whether samples stand for intervals of that length
+  bool ByExtinctions = false; ///< whether composited samples are those of one table, over intervals
+                              ///< of many lengths
 
   /// Several components; else there are none here.
   ComponentKind KindOfComponents = ComponentKind::Independent;

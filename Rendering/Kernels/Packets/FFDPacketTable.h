@@ -3,11 +3,15 @@
 #ifndef FFDPacketTable_h
 #define FFDPacketTable_h
 
+#include "FFDExport.h"
+#include "FFDPiecewiseOptics.h"
 #include "FFDTransferTable.h"
 #include "Optics/FFDTransferInterval.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace ffd
@@ -27,63 +31,68 @@ public:
   };
   static_assert(sizeof(Range) == 16, "ranges are loaded as 128 bits");
 
-  /// Another table behind those that there are. `low`: the value of its first entry; `scale`:
-  /// entries a unit of values.
-  void Add(const TransferTable& table, float low, float scale)
-  {
-    const float* const entries = table.GetEntries();
-    const std::size_t size = table.GetSize();
-    this->Ranges.push_back({ static_cast<std::int32_t>(this->Intervals.size()),
-      static_cast<float>(size - 1), low, scale });
-    for (std::size_t i = 0; i + 1 < size; ++i)
-    {
-      TransferInterval interval;
-      for (std::size_t end = 0; end < 2; ++end)
-      {
-        const float* entry = entries + 4 * (i + end);
-        const float* neighbor = entries + 4 * (i + 1 - end);
-        interval.Ends[end] = table.GetInterpolated(entry[3], neighbor[3]);
-        interval.Colors[end] = TransferInterval::PackColor(entry);
-      }
-      this->Intervals.push_back(interval);
-    }
-  }
-
-  /// What is interpolated between the ends of an interval: opacities over a length, which may be
-  /// below zero as GetInterpolated() is.
+  /// What is interpolated between the ends of an interval for normals of opacity: opacities over
+  /// the unit distance, which may be below zero as GetInterpolated() is.
   struct OpacityPair
   {
     float Ends[2];
   };
 
-  /// Finds the opacities of a table over a length, in data units.
-  void FindOpacities(std::size_t table, double length)
+  /// What one table is made from.
+  struct Source
   {
-    const Range& range = this->Ranges[table];
-    this->Opacities.resize(this->Intervals.size());
-    const auto find = [length](float extinction) {
-      return static_cast<float>(OpacityOver(static_cast<double>(extinction), length));
-    };
-    const std::size_t first = static_cast<std::size_t>(range.First);
-    const std::size_t end = first + static_cast<std::size_t>(range.Intervals);
-    for (std::size_t i = first; i < end; ++i)
+    const TransferTable* Table;
+    double Low;    ///< value of the first entry
+    double Scale;  ///< entries a unit of values
+    double Length; ///< of PiecewiseOptics, data units
+    bool InPieces; ///< whether pieces are found: opacities are asked for, not extinctions
+
+    bool operator==(const Source& other) const
     {
-      const float* const extinctions = this->Intervals[i].Ends;
-      this->Opacities[i] = { { find(extinctions[0]), find(extinctions[1]) } };
+      return this->Table == other.Table && this->Low == other.Low && this->Scale == other.Scale &&
+        this->Length == other.Length && this->InPieces == other.InPieces;
     }
-  }
+  };
 
-  const OpacityPair* GetOpacities() const { return this->Opacities.data(); }
+  /// What takes time to make.
+  struct Contents
+  {
+    std::vector<PiecewiseOptics> Pieces;     ///< of each table
+    std::vector<TransferInterval> Intervals; ///< of all tables
+    // For normals of opacity.
+    std::vector<PiecewiseOptics> UnitPieces; ///< of each table, over its unit distance
+    std::vector<OpacityPair> Opacities;      ///< of the intervals
+  };
 
-  const TransferInterval* GetIntervals() const { return this->Intervals.data(); }
+  /// Another table behind those that there are; it must outlive Fill().
+  FFD_RENDERING_EXPORT void Add(const Source& source);
+
+  /// Adds to the contents what normals of opacity need.
+  void AddOpacities() { this->HasOpacities = true; }
+
+  const std::vector<Source>& GetSources() const { return this->Sources; }
+  bool GetHasOpacities() const { return this->HasOpacities; }
+  FFD_RENDERING_EXPORT std::shared_ptr<const Contents> MakeContents() const;
+
+  /// `contents`: MakeContents() of the same sources. Before it, only ranges are known.
+  void Fill(std::shared_ptr<const Contents> contents) { this->Filled = std::move(contents); }
+
   std::size_t GetSize() const { return this->Ranges.size(); }
   const Range& GetRange(std::size_t table) const { return this->Ranges[table]; }
   const Range* GetRanges() const { return this->Ranges.data(); }
+  const PiecewiseOptics& GetPieces(std::size_t table) const { return this->Filled->Pieces[table]; }
+  const PiecewiseOptics& GetUnitPieces(std::size_t table) const
+  {
+    return this->Filled->UnitPieces[table];
+  }
+  const TransferInterval* GetIntervals() const { return this->Filled->Intervals.data(); }
+  const OpacityPair* GetOpacities() const { return this->Filled->Opacities.data(); }
 
 private:
+  std::vector<Source> Sources;
   std::vector<Range> Ranges;
-  std::vector<TransferInterval> Intervals;
-  std::vector<OpacityPair> Opacities; // of the intervals, where FindOpacities() was asked for them
+  bool HasOpacities = false;
+  std::shared_ptr<const Contents> Filled;
 };
 
 } // namespace ffd

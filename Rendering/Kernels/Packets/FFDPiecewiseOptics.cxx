@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -13,12 +14,6 @@ namespace ffd
 {
 namespace
 {
-
-/// Largest differences of pieces from the entries of the table: of opacities, a part of each and a
-/// little, and of colors.
-constexpr double RelativeTolerance = 1e-3;
-constexpr double LeastTolerance = 1e-6;
-constexpr double ColorTolerance = 1.0 / 2048.0;
 
 /// Opacities that change more than this within fewer entries are interpolated otherwise in the
 /// table, whose extinctions are linear between entries.
@@ -28,27 +23,33 @@ constexpr std::size_t FewEntries = 4;
 /// The channels of PiecewiseOptics.
 using Entry = std::array<double, PiecewiseOptics::NumberOfChannels>;
 
-double ToleranceOf(const Entry& entry, std::size_t channel)
+double ToleranceOf(const PieceTolerance& tolerance, const Entry& entry, std::size_t channel)
 {
-  return channel == 0 ? RelativeTolerance * entry[0] + LeastTolerance : ColorTolerance;
+  return channel == 0 ? tolerance.Relative * entry[0] + tolerance.Least : tolerance.Color;
 }
 
-std::vector<Entry> FindEntries(const TransferTable& table)
+std::vector<Entry> FindEntries(const TransferTable& table, double length)
 {
   std::vector<Entry> entries(table.GetSize());
   const float* entry = table.GetEntries();
   for (Entry& to : entries)
   {
-    to = { OpacityOver(static_cast<double>(entry[3]), table.GetUnitDistance()), entry[0], entry[1],
-      entry[2] };
+    to = { OpacityOver(static_cast<double>(entry[3]), length), entry[0], entry[1], entry[2] };
     entry += 4;
   }
   return entries;
 }
 
-/// The last entry to which a line from the entry `from` is within the tolerances of all entries
-/// between. What is transparent, and nothing else, is on lines that are 0.
-std::size_t FindEnd(const std::vector<Entry>& entries, std::size_t from)
+/// A line from an entry on.
+struct Line
+{
+  std::size_t End; ///< the last entry
+  Entry Slope;     ///< the change from one entry to the next
+};
+
+/// The longest line from the entry `from` on that is within the tolerances of all entries up to its
+/// end. What is transparent, and nothing else, is on lines that are 0.
+Line FindLine(const std::vector<Entry>& entries, std::size_t from, const PieceTolerance& nearness)
 {
   constexpr double Infinite = std::numeric_limits<double>::infinity();
   const Entry& start = entries[from];
@@ -58,34 +59,38 @@ std::size_t FindEnd(const std::vector<Entry>& entries, std::size_t from)
   Entry most;
   least.fill(-Infinite);
   most.fill(Infinite);
-  std::size_t end = from + 1;
+  Line line{ from, {} };
   for (std::size_t i = from + 1; i < entries.size(); ++i)
   {
     if (isTransparent && entries[i][0] > 0.0)
     {
-      return end;
+      break;
     }
     const double steps = static_cast<double>(i - from);
-    bool isEnd = true;
-    for (std::size_t c = 0; c < entries[i].size(); ++c)
+    bool isNear = true;
+    for (std::size_t c = 0; c < start.size(); ++c)
     {
       const double slope = (entries[i][c] - start[c]) / steps;
-      const double tolerance = ToleranceOf(entries[i], c) / steps;
-      isEnd = isEnd && slope >= least[c] && slope <= most[c];
+      const double tolerance = ToleranceOf(nearness, entries[i], c) / steps;
       least[c] = std::max(least[c], slope - tolerance);
       most[c] = std::min(most[c], slope + tolerance);
-      if (least[c] > most[c])
-      {
-        return end;
-      }
+      isNear = isNear && least[c] <= most[c];
     }
-    end = isEnd ? i : end;
+    if (!isNear)
+    {
+      break;
+    }
+    line.End = i;
+    for (std::size_t c = 0; c < start.size(); ++c)
+    {
+      line.Slope[c] = 0.5 * (least[c] + most[c]);
+    }
     if (!isTransparent && entries[i][0] <= 0.0)
     {
-      return end;
+      break;
     }
   }
-  return end;
+  return line;
 }
 
 /// The opacity at the transparent end of a line that is 0 up to TransferTable::GetMargin() from
@@ -99,50 +104,56 @@ double FindTransparentEnd(const TransferTable& table, double other, double steps
 } // namespace
 
 //------------------------------------------------------------------------------
-PiecewiseOptics FindPiecewiseOptics(const TransferTable& table, double low, double scale)
+PiecewiseOptics FindPiecewiseOptics(const TransferTable& table, double low, double scale,
+  double length, const PieceTolerance& tolerance)
 {
-  const std::vector<Entry> entries = FindEntries(table);
+  const std::vector<Entry> entries = FindEntries(table, length);
   const auto valueAt = [&](std::size_t i) {
     return static_cast<float>(low + static_cast<double>(i) / scale);
   };
-  PiecewiseOptics optics;
+  PiecewiseOptics none;
+  none.Length = static_cast<float>(length);
+  PiecewiseOptics optics = none;
+  std::fill(
+    std::begin(optics.Begin), std::end(optics.Begin), std::numeric_limits<float>::infinity());
   optics.End = valueAt(entries.size() - 1);
   if (!std::isfinite(optics.End - valueAt(0)))
   {
-    return {};
+    return none;
   }
   for (std::size_t from = 0; from + 1 < entries.size();)
   {
-    const std::size_t to = FindEnd(entries, from);
-    const double steps = static_cast<double>(to - from);
+    Line line = FindLine(entries, from, tolerance);
+    const double steps = static_cast<double>(line.End - from);
     Entry begin = entries[from];
-    Entry end = entries[to];
+    const double end = entries[line.End][0];
     if (optics.Pieces == PiecewiseOptics::LargestNumberOfPieces ||
-      (to - from < FewEntries && std::abs(end[0] - begin[0]) > LargestJump))
+      (line.End - from < FewEntries && std::abs(end - begin[0]) > LargestJump))
     {
-      return {};
+      return none;
     }
     if (begin[0] <= 0.0)
     {
-      begin[0] = FindTransparentEnd(table, end[0], steps);
+      begin[0] = FindTransparentEnd(table, begin[0] + steps * line.Slope[0], steps);
+      line.Slope[0] -= begin[0] / steps;
     }
-    else if (end[0] <= 0.0)
+    else if (end <= 0.0)
     {
-      end[0] = FindTransparentEnd(table, begin[0], steps);
+      line.Slope[0] = (FindTransparentEnd(table, begin[0], steps) - begin[0]) / steps;
     }
     const auto piece = static_cast<std::size_t>(optics.Pieces);
     optics.Begin[piece] = valueAt(from);
     for (std::size_t c = 0; c < begin.size(); ++c)
     {
       optics.Channels[c].Begin[piece] = static_cast<float>(begin[c]);
-      optics.Channels[c].Slope[piece] = static_cast<float>((end[c] - begin[c]) / steps * scale);
+      optics.Channels[c].Slope[piece] = static_cast<float>(line.Slope[c] * scale);
       if (!std::isfinite(optics.Channels[c].Slope[piece]))
       {
-        return {};
+        return none;
       }
     }
     ++optics.Pieces;
-    from = to;
+    from = line.End;
   }
   return optics;
 }

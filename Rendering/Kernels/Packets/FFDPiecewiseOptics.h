@@ -16,9 +16,9 @@ namespace ffd
  */
 struct PiecewiseOptics
 {
-  static constexpr int LargestNumberOfPieces = 16;
+  static constexpr int LargestNumberOfPieces = 32;
 
-  /// Opacity over the unit distance, red, green and blue.
+  /// Opacity over Length, red, green and blue.
   static constexpr int NumberOfChannels = 4;
   /// Where pieces begin, and the change by a unit of values. Opacities may be below zero where they
   /// are to be 0.
@@ -28,17 +28,32 @@ struct PiecewiseOptics
     alignas(64) float Slope[LargestNumberOfPieces] = {};
   };
 
-  int Pieces = 0; ///< 0: the function is not made of so few
-  /// Values as fetched from which pieces on, ascending; the first and the last value hold beyond.
+  float Length = 1.0f; ///< data units that opacities are over
+  int Pieces = 0;      ///< 0: the function is not made of so few
+  /// Values as fetched from which pieces on, ascending, and infinity behind them; the first and the
+  /// last value hold beyond.
   alignas(64) float Begin[LargestNumberOfPieces] = {};
   float End = 0.0f;
   Channel Channels[NumberOfChannels];
 };
 
+/// Largest differences of pieces from the entries of a table: of opacities a part of each and a
+/// little, and of colors. No difference of pictures is as large as 0.4 of the first.
+struct PieceTolerance
+{
+  double Relative = 2e-3;
+  double Least = 1e-6;
+  double Color = 1.0 / 1024.0;
+};
+
+/// What is as straight as single precision tells, so that differences of opacities are those of the
+/// table; colors have no meaning.
+constexpr PieceTolerance StraightOpacities{ 1e-5, 1e-7, 1.0 };
+
 /// Finds the pieces of a table. `low`: the value of its first entry as fetched (PacketVolume);
-/// `scale`: entries a unit of these values.
-FFD_RENDERING_EXPORT PiecewiseOptics FindPiecewiseOptics(
-  const TransferTable& table, double low, double scale);
+/// `scale`: entries a unit of these values; `length`: that opacities are over, in data units.
+FFD_RENDERING_EXPORT PiecewiseOptics FindPiecewiseOptics(const TransferTable& table, double low,
+  double scale, double length, const PieceTolerance& tolerance = {});
 
 } // namespace ffd
 

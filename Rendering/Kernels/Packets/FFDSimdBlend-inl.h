@@ -15,11 +15,11 @@
 #include "FFDSimdComposite-inl.h"
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdGrid-inl.h"
+#include "FFDSimdLookup-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdPlane-inl.h"
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdSurfaces-inl.h"
-#include "FFDSimdTable-inl.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -275,7 +275,7 @@ private:
     this->Scratch.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, counts));
     const Vf opacity = HWY_UNLIKELY(this->Scene.Plane.Intervals != nullptr)
       ? FindOpacityOfLastRow(this->Scene.Plane, value)
-      : this->OpacityOver(TableLookup(this->Scene, value).Extinction());
+      : OpticsLookup(this->Scene, value).Opacity();
     const Vf relative = hn::Mul(hn::Sub(value, Splat(this->Scene.ValueLow)),
       Splat(1.0f / (this->Scene.ValueHigh - this->Scene.ValueLow)));
     const Vf length = this->Scene.Settings.Opacity == OpacityLength::Deformed
@@ -287,13 +287,6 @@ private:
       hn::Add(this->State.Out.TallyLength, hn::IfThenElseZero(counts, length));
     this->State.Out.FirstVisible = hn::IfThenElse(
       counts, hn::Min(this->State.Out.FirstVisible, curve.TimeAt(s)), this->State.Out.FirstVisible);
-  }
-
-  /// The opacity over the unit distance that an extinction gives.
-  HWY_INLINE Vf OpacityOver(Vf extinction) const
-  {
-    return hn::Sub(
-      Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, Splat(this->Scene.UnitDistance)))));
   }
 
   /// Shows the values of the lanes of `sampled`; as RayIntegrator::AddSlice().
@@ -323,9 +316,9 @@ private:
     }
     else
     {
-      const TableLookup lookup(this->Scene, value);
-      texel = { lookup.Color(), this->OpacityOver(lookup.Extinction()) };
-      some = hn::Gt(lookup.Extinction(), zero);
+      const OpticsLookup lookup(this->Scene, value);
+      texel = { lookup.Color(), lookup.Opacity() };
+      some = lookup.IsVisible();
     }
     const Vf weight = Splat(static_cast<float>(this->Scene.Source->Blend.Weight[0]));
     // NaN is not shown: comparisons with it are false.

@@ -13,10 +13,10 @@
 #include "FFDSimdComponents-inl.h"
 #include "FFDSimdComposite-inl.h"
 #include "FFDSimdCurve-inl.h"
+#include "FFDSimdLookup-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdOptics-inl.h"
 #include "FFDSimdPlane-inl.h"
-#include "FFDSimdTable-inl.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -237,7 +237,7 @@ private:
       const PacketPlane& plane = this->Scene.Components[c].Plane;
       const Vf opacity = HWY_UNLIKELY(plane.Intervals != nullptr)
         ? FindOpacityOfLastRow(plane, density)
-        : this->OpacityOver(TableLookup(this->Scene, density, c).Extinction(), channel);
+        : OpticsLookup(this->Scene, density, c).Opacity();
       this->Sums[c] = hn::Add(
         this->Sums[c], hn::IfThenElseZero(counts, hn::Mul(hn::Mul(opacity, relative), length)));
       this->Lengths[c] = hn::Add(this->Lengths[c], hn::IfThenElseZero(counts, length));
@@ -269,11 +269,6 @@ private:
     this->State.Out.Transmittance = hn::IfThenElse(this->Any, zero, one);
   }
 
-  static HWY_INLINE Vf OpacityOver(Vf extinction, const PacketChannel& channel)
-  {
-    return hn::Sub(Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, Splat(channel.UnitDistance)))));
-  }
-
   /// Makes the pixels of the rays those of one value of each channel, in the lanes of `lanes`; they
   /// are where the first channel that is visible is. Returns those that are visible.
   HWY_NOINLINE Mf Show(const Vf* values, const Mf* lanes, const Vf* places)
@@ -297,9 +292,9 @@ private:
       }
       else
       {
-        const TableLookup lookup(this->Scene, density, c);
-        texel = { lookup.Color(), this->OpacityOver(lookup.Extinction(), channel) };
-        some = hn::Gt(lookup.Extinction(), zero);
+        const OpticsLookup lookup(this->Scene, density, c);
+        texel = { lookup.Color(), lookup.Opacity() };
+        some = lookup.IsVisible();
       }
       // NaN is not shown: comparisons with it are false.
       const Mf shows = hn::And(hn::And(lanes[c], hn::Eq(density, density)), some);

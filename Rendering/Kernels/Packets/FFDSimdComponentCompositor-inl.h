@@ -16,6 +16,7 @@
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdGradients-inl.h"
 #include "FFDSimdGrid-inl.h"
+#include "FFDSimdLookup-inl.h"
 #include "FFDSimdMask-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdOptics-inl.h"
@@ -23,7 +24,6 @@
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdRows-inl.h"
 #include "FFDSimdSampler-inl.h"
-#include "FFDSimdTable-inl.h"
 #include "FFDSimdWindow-inl.h"
 #include "FFDSimdWindowRows-inl.h"
 
@@ -58,10 +58,10 @@ public:
     FetchedComponents<T> samples(this->Scene.Volume, voxel, sampled, this->Samples.Border);
     Vf values[LargestNumberOfComponents];
     samples.FindValues(values);
-    Vf extinctions[LargestNumberOfComponents];
+    Vf opacities[LargestNumberOfComponents];
     const bool independent = this->Scene.KindOfComponents == ComponentKind::Independent;
     unsigned int wanted = independent ? 0 : FindDensityComponents(this->Scene);
-    const Mf visible = this->FindVisible(q, values, sampled, extinctions, wanted);
+    const Mf visible = this->FindVisible(q, values, sampled, opacities, wanted);
     if (hn::AllFalse(d, visible))
     {
       return;
@@ -76,18 +76,18 @@ public:
     }
     const Vf t = curve.TimeAt(s);
     Vec3 color;
-    Vf extinction;
+    Vf opacity;
     if (independent)
     {
-      this->Mix(curve, q, s, t, values, extinctions, gradients, normals, color, extinction);
+      this->Mix(curve, q, s, t, values, opacities, gradients, normals, color, opacity);
     }
     else
     {
       const Vec3 gradient = this->FindDensityGradient(gradients);
-      this->ClassifyDependent(curve, q, s, t, values, extinctions[0], gradient,
-        this->Scene.NormalsOfOpacity ? ofOpacity[0] : gradient, color, extinction);
+      this->ClassifyDependent(curve, q, s, t, values, opacities[0], gradient,
+        this->Scene.NormalsOfOpacity ? ofOpacity[0] : gradient, color, opacity);
     }
-    this->Add(curve, s, t, color, extinction, visible);
+    this->Add(curve, s, t, color, opacity, visible);
   }
 
   /// Whether TakeSamples() can take samples of the curve.
@@ -114,22 +114,22 @@ private:
   struct Classified
   {
     Vec3 Color;
-    Vf Extinction;
+    Vf Opacity; ///< over PacketScene::OpacityLength
   };
 
-  /// The extinctions that densities of one of several components have by its table. Where it does
-  /// not tell what is transparent, all may be visible.
-  HWY_INLINE Vf FindFirstExtinction(
+  /// The opacities, over PacketScene::OpacityLength, that densities of one of several components
+  /// have by its table. Where it does not tell what is transparent, all may be visible.
+  HWY_INLINE Vf FindFirstOpacity(
     const PacketComponent& component, Vf density, std::size_t number) const
   {
-    return HWY_LIKELY(component.ByTable) ? TableLookup(this->Scene, density, number).Extinction()
+    return HWY_LIKELY(component.ByTable) ? OpticsLookup(this->Scene, density, number).Opacity()
                                          : Splat(1.0f);
   }
 
-  /// The lanes of `sampled` in which some density is visible, and the extinctions of all of them.
+  /// The lanes of `sampled` in which some density is visible, and the opacities of all of them.
   /// Independent components that are visible are added to `wanted`, a bit each.
   HWY_INLINE Mf FindVisible(
-    const Vec3& q, const Vf* values, Mf sampled, Vf* extinctions, unsigned int& wanted) const
+    const Vec3& q, const Vf* values, Mf sampled, Vf* opacities, unsigned int& wanted) const
   {
     const Df d;
     const bool independent = this->Scene.KindOfComponents == ComponentKind::Independent;
@@ -142,12 +142,11 @@ private:
       const Mf counts = hn::And(sampled,
         hn::And(hn::Ge(density, Splat(component.Visible.Low)),
           hn::Le(density, Splat(component.Visible.High))));
-      extinctions[c] = hn::Zero(d);
+      opacities[c] = hn::Zero(d);
       if (component.Weight > 0.0f && !hn::AllFalse(d, counts))
       {
-        extinctions[c] =
-          hn::IfThenElseZero(counts, this->FindFirstExtinction(component, density, c));
-        const Mf own = hn::Gt(extinctions[c], hn::Zero(d));
+        opacities[c] = hn::IfThenElseZero(counts, this->FindFirstOpacity(component, density, c));
+        const Mf own = hn::Gt(opacities[c], hn::Zero(d));
         visible = hn::Or(visible, own);
         wanted |= independent && !hn::AllFalse(d, own) ? 1u << c : 0u;
       }
@@ -207,9 +206,9 @@ private:
     {
       values[c] = Sample<T>(sources[c], at, rows[c]);
     }
-    Vf extinctions[2];
+    Vf opacities[2];
     unsigned int wanted = 0;
-    const Mf visible = this->FindVisible(q, values, sampled, extinctions, wanted);
+    const Mf visible = this->FindVisible(q, values, sampled, opacities, wanted);
     if (hn::AllFalse(d, visible))
     {
       return;
@@ -227,9 +226,9 @@ private:
     }
     const Vf t = curve.TimeAt(s);
     Vec3 color;
-    Vf extinction;
-    this->Mix(curve, q, s, t, values, extinctions, gradients, normals, color, extinction);
-    this->Add(curve, s, t, color, extinction, visible);
+    Vf opacity;
+    this->Mix(curve, q, s, t, values, opacities, gradients, normals, color, opacity);
+    this->Add(curve, s, t, color, opacity, visible);
   }
 
   /// The same of dependent components. The density is the last one; voxels of the others are loaded
@@ -251,7 +250,7 @@ private:
     {
       return;
     }
-    const Vf ofTable = this->FindFirstExtinction(component, density, 0);
+    const Vf ofTable = this->FindFirstOpacity(component, density, 0);
     Mf visible = hn::And(sampled, hn::Gt(ofTable, hn::Zero(d)));
     if (this->Scene.HidesSamples && !hn::AllFalse(d, visible))
     {
@@ -285,9 +284,9 @@ private:
     values[Components - 1] = density;
     const Vf t = curve.TimeAt(s);
     Vec3 color;
-    Vf extinction;
-    this->ClassifyDependent(curve, q, s, t, values, ofTable, gradient, normal, color, extinction);
-    this->Add(curve, s, t, color, extinction, visible);
+    Vf opacity;
+    this->ClassifyDependent(curve, q, s, t, values, ofTable, gradient, normal, color, opacity);
+    this->Add(curve, s, t, color, opacity, visible);
   }
 
   /// TakeSamples() with windows of one kind.
@@ -329,25 +328,26 @@ private:
     return to;
   }
 
-  /// Composites colors of several components over the intervals of the samples at s.
+  /// Composites colors of several components, and opacities over PacketScene::OpacityLength, over
+  /// the intervals of the samples at s.
   HWY_INLINE void Add(
-    const PacketCurve& curve, Vf s, Vf t, const Vec3& color, Vf extinction, Mf visible)
+    const PacketCurve& curve, Vf s, Vf t, const Vec3& color, Vf opacity, Mf visible)
   {
     const Df d;
-    visible = hn::And(visible, hn::Gt(extinction, hn::Zero(d)));
+    visible = hn::And(visible, hn::Gt(opacity, hn::Zero(d)));
     if (hn::AllFalse(d, visible))
     {
       return;
     }
     this->Samples.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
     this->Samples.State.Expecting = visible;
-    this->Samples.AddColor(color, extinction, visible, curve, s, t);
+    this->Samples.AddOpacity(color, opacity, visible, curve, s, t);
   }
 
   /// Mixes independent components: the opacity is sum(a^2) / sum(a), the premultiplied color
   /// sum(a c).
   HWY_NOINLINE void Mix(const PacketCurve& curve, const Vec3& q, Vf s, Vf t, const Vf* values,
-    const Vf* extinctions, const Vec3* gradients, const Vec3* normals, Vec3& color, Vf& extinction)
+    const Vf* opacities, const Vec3* gradients, const Vec3* normals, Vec3& color, Vf& mixed)
   {
     const Df d;
     const Vf zero = hn::Zero(d);
@@ -360,7 +360,7 @@ private:
     for (std::size_t c = 0; c < this->Scene.Components.size(); ++c)
     {
       const PacketComponent& component = this->Scene.Components[c];
-      const Mf visible = hn::Gt(extinctions[c], zero);
+      const Mf visible = hn::Gt(opacities[c], zero);
       if (hn::AllFalse(d, visible))
       {
         continue;
@@ -378,8 +378,8 @@ private:
       }
       else
       {
-        opacity = OpacityOf(this->Scene, extinctions[c]);
-        own = TableLookup(this->Scene, values[c], c).Color();
+        opacity = opacities[c];
+        own = OpticsLookup(this->Scene, values[c], c).Color();
       }
       opacity = hn::Mul(Splat(component.Weight), opacity);
       if (component.Gradients.Factors)
@@ -399,7 +399,7 @@ private:
     const Mf some = hn::Gt(squares, zero);
     const Vf opacity = hn::Div(squares, hn::IfThenElse(some, sum, one));
     color = Scale(hn::Div(one, hn::IfThenElse(some, opacity, one)), colors);
-    extinction = hn::IfThenElseZero(some, ExtinctionOf(this->Scene, opacity));
+    mixed = hn::IfThenElseZero(some, opacity);
   }
 
   /// The gradient of the density of dependent components, where it is needed.
@@ -414,11 +414,11 @@ private:
       gradients, [&](const Vf* of) { return DensityOf(this->Scene, 0, of); });
   }
 
-  /// Classifies and lights dependent components. `ofTable`: the extinction of the density,
-  /// FindFirstExtinction(), `gradient`: its gradient, `normal`: that which gives normals.
+  /// Classifies and lights dependent components. `ofTable`: the opacity of the density,
+  /// FindFirstOpacity(), `gradient`: its gradient, `normal`: that which gives normals.
   HWY_INLINE void ClassifyDependent(const PacketCurve& curve, const Vec3& q, Vf s, Vf t,
     const Vf* values, Vf ofTable, const Vec3& gradient, const Vec3& normal, Vec3& color,
-    Vf& extinction)
+    Vf& opacity)
   {
     const PacketComponent& component = this->Scene.Components[0];
     if (HWY_UNLIKELY(!component.ByTable))
@@ -427,15 +427,14 @@ private:
       std::copy_n(values, this->Scene.Volume.Components, copies);
       const Classified classified = this->ClassifyFurther(Copy(q), copies, Copy(gradient));
       color = Copy(classified.Color);
-      extinction = classified.Extinction;
+      opacity = classified.Opacity;
     }
     else
     {
-      extinction = ofTable;
+      opacity = ofTable;
       if (component.Gradients.Factors)
       {
-        extinction = hn::IfThenElseZero(hn::Gt(ofTable, hn::Zero(Df())),
-          WeighExtinction(this->Scene, ofTable, FactorOf(component.Gradients, gradient)));
+        opacity = hn::Mul(opacity, FactorOf(component.Gradients, gradient));
       }
       color = DependentColor(this->Scene, values);
     }
@@ -464,23 +463,23 @@ private:
       {
         color = LookUpPlane(scene.ColorPlane, values[0], second).Color;
       }
+      opacity = OpacityOf(scene, plane, texel);
       if (!labeled)
       {
-        return { color, OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance) };
+        return { color, opacity };
       }
-      opacity = OpacityOf(scene, plane, texel);
     }
     else
     {
-      opacity = OpacityOf(scene, TableLookup(scene, density).Extinction());
+      opacity = OpticsLookup(scene, density).Opacity();
       if (component.Gradients.Factors)
       {
         opacity = hn::Mul(opacity, FactorOf(component.Gradients, gradient));
       }
     }
     const Vi tables = FindLabelTables(scene.Mask, FindMaskPosition(scene, q));
-    MixInLabels(scene, TableLookup(scene, density, tables), tables, gradient, opacity, color);
-    return { color, OpaqueExtinctionOver(opacity, scene.ReferenceLength) };
+    MixInLabels(scene, OpticsLookup(scene, density, tables), tables, gradient, opacity, color);
+    return { color, opacity };
   }
 
   PacketGradients<T>& Samples;

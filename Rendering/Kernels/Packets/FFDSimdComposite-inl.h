@@ -17,6 +17,7 @@
 #include "FFDSimdGradients-inl.h"
 #include "FFDSimdGrid-inl.h"
 #include "FFDSimdIntervals-inl.h"
+#include "FFDSimdLookup-inl.h"
 #include "FFDSimdMask-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdOptics-inl.h"
@@ -25,7 +26,6 @@
 #include "FFDSimdRows-inl.h"
 #include "FFDSimdSampler-inl.h"
 #include "FFDSimdSegmentTrees-inl.h"
-#include "FFDSimdTable-inl.h"
 
 #include <cstdint>
 
@@ -184,41 +184,23 @@ private:
     const bool mixed = labeled && (byPlane || mask.BlendFactor < 1.0f);
     const Vi tables =
       labeled ? FindLabelTables(mask, FindMaskPosition(this->Scene, q)) : hn::Zero(Di());
-    const bool byPieces = !OfPlane && PieceLookup::Knows(this->Scene.Pieces);
-    // Whether opacities of pieces are those of the interval.
-    const bool direct =
-      byPieces && this->Scene.UnitIsInterval && (!byGradient || this->Scene.ReferenceIsInterval);
-    PieceLookup pieces;
-    TableLookup lookup;
-    TableLookup base;
-    Vf extinction = Splat(1.0f);
-    Vf opacity = hn::Zero(d);
+    OpticsLookup lookup;
+    OpticsLookup base;
     Mf visible = sampled;
-    if (HWY_LIKELY(byPieces))
+    if (!byPlane || labeled)
     {
-      pieces = PieceLookup(this->Scene.Pieces, value);
-      opacity = pieces.Opacity();
-      visible = hn::And(sampled, hn::Gt(opacity, hn::Zero(d)));
-      if (HWY_UNLIKELY(!direct))
-      {
-        extinction = OpaqueExtinctionOver(opacity, this->Scene.UnitDistance);
-      }
+      lookup =
+        labeled ? OpticsLookup(this->Scene, value, tables) : OpticsLookup(this->Scene, value);
     }
-    else if (!byPlane)
+    if (!byPlane)
     {
-      lookup = labeled ? TableLookup(this->Scene, value, tables) : TableLookup(this->Scene, value);
-      extinction = lookup.Extinction();
-      Mf some = hn::Gt(extinction, hn::Zero(d));
+      Mf some = lookup.IsVisible();
       if (HWY_UNLIKELY(mixed))
       {
-        base = TableLookup(this->Scene, value);
-        some = hn::Or(some, hn::Gt(base.Extinction(), hn::Zero(d)));
+        base = OpticsLookup(this->Scene, value);
+        some = hn::Or(some, base.IsVisible());
       }
       visible = hn::And(sampled, some);
-    }
-    else if (labeled)
-    {
-      lookup = TableLookup(this->Scene, value, tables);
     }
     if (Any && this->Scene.HidesSamples && !hn::AllFalse(d, visible))
     {
@@ -245,9 +227,10 @@ private:
       }
     }
     Vec3 color;
-    // Opacities that are not of the table are over a length, which mostly is the interval.
+    Vf opacity;
+    // Whether opacities are not those of the lookup alone.
     const bool weighed = mixed || byGradient || byPlane;
-    Vf factor = Splat(1.0f);
+    Vf factor = hn::Zero(d);
     if (HWY_UNLIKELY(mixed && byPlane))
     {
       const PlaneTexel mix = MixPlaneWithLabels(
@@ -268,7 +251,7 @@ private:
     else if (byGradient)
     {
       factor = labeled ? FactorOf(mask, tables, gradient) : FactorOf(gradients, gradient);
-      opacity = hn::Mul(direct ? opacity : OpacityOf(this->Scene, extinction), factor);
+      opacity = hn::Mul(lookup.Opacity(), factor);
     }
     if (weighed)
     {
@@ -283,7 +266,7 @@ private:
 
     if (HWY_LIKELY(!mixed && !byPlane))
     {
-      color = byPieces ? pieces.Color() : lookup.Color();
+      color = lookup.Color();
     }
     const Vf t = curve.TimeAt(s);
     if (HWY_UNLIKELY(byOpacity))
@@ -295,25 +278,26 @@ private:
     {
       color = this->Normals.Light(this->Scene.Surface, curve, q, color, gradient, s, t);
     }
-    if (HWY_UNLIKELY(weighed))
+    const bool ofTexel = byPlane && !mixed;
+    const bool isInterval = ofTexel ? this->Scene.Settings.Opacity == OpacityLength::Deformed &&
+        static_cast<float>(this->Scene.Settings.SampleDistance) == plane.UnitDistance
+                                    : this->Scene.OpacityIsInterval;
+    if (HWY_LIKELY(isInterval))
     {
-      const bool ofTexel = byPlane && !mixed;
-      const bool isInterval = ofTexel ? this->Scene.Settings.Opacity == OpacityLength::Deformed &&
-          static_cast<float>(this->Scene.Settings.SampleDistance) == plane.UnitDistance
-                                      : this->Scene.ReferenceIsInterval;
-      if (HWY_LIKELY(isInterval))
-      {
-        return this->State.Add(visible, color, hn::Sub(Splat(1.0f), opacity), t,
-          this->Scene.Settings.TerminationTransmittance);
-      }
-      const Mf exact = mixed || byPlane ? hn::FirstN(d, 0) : hn::Ge(factor, Splat(1.0f));
-      extinction = hn::IfThenElse(exact, extinction,
-        OpaqueExtinctionOver(opacity, ofTexel ? plane.UnitDistance : this->Scene.ReferenceLength));
-    }
-    if (HWY_LIKELY(direct))
-    {
-      return this->State.Add(visible, color, hn::Sub(Splat(1.0f), opacity), t,
+      return this->State.Add(visible, color,
+        hn::Sub(Splat(1.0f), weighed ? opacity : lookup.Opacity()), t,
         this->Scene.Settings.TerminationTransmittance);
+    }
+    Vf extinction = hn::Zero(d);
+    if (weighed)
+    {
+      extinction =
+        OpaqueExtinctionOver(opacity, ofTexel ? plane.UnitDistance : this->Scene.OpacityLength);
+    }
+    if (!mixed && !byPlane)
+    {
+      const Mf exact = weighed ? hn::Ge(factor, Splat(1.0f)) : visible;
+      extinction = hn::IfThenElse(exact, lookup.Extinction(), extinction);
     }
     this->AddColor(color, extinction, visible, curve, s, t);
   }

@@ -15,11 +15,11 @@
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdGradients-inl.h"
 #include "FFDSimdGrid-inl.h"
+#include "FFDSimdLookup-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdRows-inl.h"
 #include "FFDSimdSampler-inl.h"
-#include "FFDSimdTable-inl.h"
 
 #include <cstdint>
 #include <limits>
@@ -314,7 +314,10 @@ private:
     }
     this->Samples.Statistics.VisibleSamples += static_cast<std::int64_t>(hn::CountTrue(d, visible));
     this->Samples.State.Expecting = visible;
-    Vec3 color = TableLookup::OfEntries(scene, classified.Entry).Color();
+    const PacketTable::Range& range = scene.Table.GetRange(0);
+    Vec3 color =
+      OpticsLookup(scene, hn::MulAdd(classified.Entry, Splat(1.0f / range.Scale), Splat(range.Low)))
+        .Color();
     if (scene.Shade)
     {
       voxels.Widen();

@@ -12,10 +12,10 @@
 
 #include "FFDSimdBorder-inl.h"
 #include "FFDSimdCells-inl.h"
+#include "FFDSimdLookup-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdPlane-inl.h"
 #include "FFDSimdRows-inl.h"
-#include "FFDSimdTable-inl.h"
 
 #include <cstddef>
 

@@ -9,8 +9,8 @@
 #endif
 
 #include "FFDPacketScene.h"
-#include "FFDTransferTable.h"
 
+#include "FFDSimdLookup-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdPlane-inl.h"
 #include "FFDSimdTable-inl.h"
@@ -24,46 +24,12 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// The opacity over the reference length that an extinction gives; zero for zero.
-HWY_INLINE Vf OpacityOf(const PacketScene& scene, Vf extinction)
-{
-  const Vf length = Splat(scene.ReferenceLength);
-  return hn::IfThenElseZero(hn::Gt(extinction, hn::Zero(Df())),
-    hn::Sub(Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, length)))));
-}
-
-/// The extinction that gives `length` an opacity.
-HWY_INLINE Vf ExtinctionOver(Vf opacity, float length)
-{
-  const Vf one = Splat(1.0f);
-  // For small opacities 1 - opacity loses digits, but its logarithm is nearly linear.
-  const Vf passed = hn::Sub(one, opacity);
-  const Vf logarithm = hn::IfThenElse(hn::Lt(opacity, Splat(1e-3f)),
-    hn::Mul(hn::Mul(opacity, Splat(1.4426950409f)), hn::MulAdd(opacity, Splat(0.5f), one)),
-    hn::Neg(Log2(hn::Max(passed, Splat(1e-30f)))));
-  return hn::Mul(hn::Max(logarithm, hn::Zero(Df())), Splat(1.0f / length));
-}
-
-/// The extinction that gives the reference length an opacity.
-HWY_INLINE Vf ExtinctionOf(const PacketScene& scene, Vf opacity)
-{
-  return ExtinctionOver(opacity, scene.ReferenceLength);
-}
-
-/// The extinction that gives `length` an opacity; an opacity of one is opaque over any interval.
-HWY_INLINE Vf OpaqueExtinctionOver(Vf opacity, float length)
-{
-  return hn::IfThenElse(hn::Ge(opacity, Splat(1.0f)),
-    Splat(static_cast<float>(TransferTable::OpaqueExtinction) / length),
-    ExtinctionOver(opacity, length));
-}
-
-/// The opacity over the reference length of texels.
+/// The opacity of texels over PacketScene::OpacityLength.
 HWY_INLINE Vf OpacityOf(const PacketScene& scene, const PacketPlane& plane, const PlaneTexel& texel)
 {
-  return plane.UnitDistance == scene.ReferenceLength
+  return plane.UnitDistance == scene.OpacityLength
     ? texel.Opacity
-    : OpacityOf(scene, OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance));
+    : OpacityOver(OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance), scene.OpacityLength);
 }
 
 /// Squared length of a gradient whose components are scaled.
@@ -96,7 +62,7 @@ HWY_INLINE Vf InterpolateFactors(const float* factors, Vi first, Vf last, Vf ent
   return Lerp(hn::BitCast(d, pair.x), hn::BitCast(d, pair.y), hn::Sub(x, whole));
 }
 
-/// Factors of opacities over the reference length, by the length of the gradient.
+/// Factors of opacities, by the length of the gradient.
 HWY_INLINE Vf FactorOf(const PacketGradientOpacity& gradients, const Vec3& gradient)
 {
   return InterpolateFactors(gradients.Factors, hn::Zero(Di()),
@@ -125,24 +91,16 @@ HWY_INLINE Vf FactorOf(const PacketMask& mask, Vi tables, const Vec3& gradient)
     hn::Mul(FindMagnitude(mask.MagnitudeScale, gradient), hn::BitCast(d, range.z)));
 }
 
-/// The extinction whose opacity over the reference length is that of `extinction` times a factor;
-/// as SampleClassifier.
-HWY_NOINLINE inline Vf WeighExtinction(const PacketScene& scene, Vf extinction, Vf factor)
-{
-  const Vf weighed = ExtinctionOf(scene, hn::Mul(factor, OpacityOf(scene, extinction)));
-  return hn::IfThenElse(hn::Ge(factor, Splat(1.0f)), extinction, weighed);
-}
-
-/// Mixes the color of labels into that of the scalars alone, and the opacity over the reference
-/// length, in the lanes that have a label; as SampleClassifier.
-HWY_INLINE void MixInLabels(const PacketScene& scene, const TableLookup& ofLabel, Vi tables,
+/// Mixes the color and the opacity of labels into those of the scalars alone, in the lanes that
+/// have a label; as SampleClassifier.
+HWY_INLINE void MixInLabels(const PacketScene& scene, const OpticsLookup& ofLabel, Vi tables,
   const Vec3& gradient, Vf& opacity, Vec3& color)
 {
   const Df d;
   const Vf factor = hn::IfThenElse(
     hn::RebindMask(d, hn::Gt(tables, hn::Zero(Di()))), Splat(scene.Mask.BlendFactor), hn::Zero(d));
   color = Lerp(color, ofLabel.Color(), factor);
-  Vf second = OpacityOf(scene, ofLabel.Extinction());
+  Vf second = ofLabel.Opacity();
   if (!scene.Mask.GradientRanges.empty())
   {
     second = hn::Mul(second, FactorOf(scene.Mask, tables, gradient));
@@ -151,11 +109,11 @@ HWY_INLINE void MixInLabels(const PacketScene& scene, const TableLookup& ofLabel
 }
 
 /// Does MixInLabels() where the scalars alone are looked up in a table: `base`.
-HWY_INLINE void MixWithLabels(const PacketScene& scene, const TableLookup& base,
-  const TableLookup& ofLabel, Vi tables, const Vec3& gradient, Vf& opacity, Vec3& color)
+HWY_INLINE void MixWithLabels(const PacketScene& scene, const OpticsLookup& base,
+  const OpticsLookup& ofLabel, Vi tables, const Vec3& gradient, Vf& opacity, Vec3& color)
 {
   color = base.Color();
-  opacity = OpacityOf(scene, base.Extinction());
+  opacity = base.Opacity();
   if (!scene.Mask.GradientRanges.empty())
   {
     opacity = hn::Mul(opacity, FactorOf(scene.Mask, std::size_t(0), gradient));
@@ -173,9 +131,9 @@ HWY_INLINE PlaneTexel LookUpPlane(
 }
 
 /// Does what MixWithLabels() does where the scalars alone are looked up in a two-dimensional
-/// transfer function; returns the color, and the opacity over the reference length.
+/// transfer function; returns the color, and the opacity over PacketScene::OpacityLength.
 HWY_NOINLINE inline PlaneTexel MixPlaneWithLabels(
-  const PacketScene& scene, Vf values, TableLookup ofLabel, Vi tables, Vec3 gradient, Vec3 q)
+  const PacketScene& scene, Vf values, OpticsLookup ofLabel, Vi tables, Vec3 gradient, Vec3 q)
 {
   PlaneTexel texel = LookUpPlane(scene.Plane, values, gradient, q);
   texel.Opacity = OpacityOf(scene, scene.Plane, texel);
@@ -221,7 +179,7 @@ HWY_INLINE Vec3 DependentColor(const PacketScene& scene, const Vf* values)
   if (scene.KindOfComponents == ComponentKind::ColorOpacity)
   {
     return scene.ColorPlane.Intervals ? LookUpLastRow(scene.ColorPlane, values[0]).Color
-                                      : TableLookup(scene, values[0], scene.ColorTable).Color();
+                                      : OpticsLookup(scene, values[0], scene.ColorTable).Color();
   }
   // NaN is black: comparisons with it are false.
   const auto channel = [&](int c) {

@@ -17,6 +17,7 @@
 #include "FFDSimdCurve-inl.h"
 #include "FFDSimdFetch-inl.h"
 #include "FFDSimdGrid-inl.h"
+#include "FFDSimdLookup-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdRays-inl.h"
 #include "FFDSimdRows-inl.h"
@@ -370,6 +371,20 @@ public:
       : hn::Mul(curve.PerStep, FindLength(this->Scene, curve.Position.Slope(s)));
     this->State.Add(visible, color, Exp2(hn::Neg(hn::Mul(extinction, interval))), t,
       this->Scene.Settings.TerminationTransmittance);
+  }
+
+  /// Composites lit colors, and opacities over PacketScene::OpacityLength, over the interval of the
+  /// sample at s.
+  HWY_INLINE void AddOpacity(
+    const Vec3& color, Vf opacity, Mf visible, const PacketCurve& curve, Vf s, Vf t)
+  {
+    if (HWY_LIKELY(this->Scene.OpacityIsInterval))
+    {
+      return this->State.Add(visible, color, hn::Sub(Splat(1.0f), opacity), t,
+        this->Scene.Settings.TerminationTransmittance);
+    }
+    this->AddColor(
+      color, OpaqueExtinctionOver(opacity, this->Scene.OpacityLength), visible, curve, s, t);
   }
 
   PacketState State;

@@ -75,14 +75,6 @@ public:
       hn::Set(Di(), range.First));
   }
 
-  /// `entries`: of the first table, and their fractions.
-  static HWY_INLINE TableLookup OfEntries(const PacketScene& scene, Vf entries)
-  {
-    TableLookup lookup;
-    lookup.Load(scene.Table, entries, Splat(scene.Table.GetRange(0).Intervals), hn::Zero(Di()));
-    return lookup;
-  }
-
   /// `tables`: number of the table of each lane.
   HWY_INLINE TableLookup(const PacketScene& scene, Vf values, Vi tables)
   {
@@ -127,57 +119,6 @@ private:
   Quads Interval;
 };
 
-/// Looks values up in PiecewiseOptics; Opacity() and Color() interpolate when they are called.
-class PieceLookup
-{
-public:
-  /// Whether the pieces fit in a vector, and are there.
-  static HWY_INLINE bool Knows(const PiecewiseOptics& optics)
-  {
-    return optics.Pieces > 0 && optics.Pieces <= static_cast<int>(hn::Lanes(Df()));
-  }
-
-  PieceLookup() = default;
-
-  /// `values`: as they are fetched; what is no number has no meaning.
-  HWY_INLINE PieceLookup(const PiecewiseOptics& optics, Vf values)
-    : Optics(&optics)
-    , Piece(hn::Zero(Di()))
-  {
-    const Di di;
-    const Vf value = Clamp(values, Splat(optics.Begin[0]), Splat(optics.End));
-    for (int i = 1; i < optics.Pieces; ++i)
-    {
-      const Mf reached = hn::Ge(value, Splat(optics.Begin[i]));
-      this->Piece =
-        hn::Add(this->Piece, hn::IfThenElseZero(hn::RebindMask(di, reached), hn::Set(di, 1)));
-    }
-    this->Offset = hn::Sub(value, this->Select(optics.Begin));
-  }
-
-  /// Over the unit distance.
-  HWY_INLINE Vf Opacity() const { return hn::Max(hn::Zero(Df()), this->Find(0)); }
-
-  HWY_INLINE Vec3 Color() const { return { this->Find(1), this->Find(2), this->Find(3) }; }
-
-private:
-  HWY_INLINE Vf Select(const float* ofPieces) const
-  {
-    const Df d;
-    return hn::TableLookupLanes(hn::Load(d, ofPieces), hn::IndicesFromVec(d, this->Piece));
-  }
-
-  HWY_INLINE Vf Find(int channel) const
-  {
-    const PiecewiseOptics::Channel& of = this->Optics->Channels[channel];
-    return hn::MulAdd(this->Offset, this->Select(of.Slope), this->Select(of.Begin));
-  }
-
-  const PiecewiseOptics* Optics = nullptr;
-  Vi Piece;
-  Vf Offset; ///< from where the piece begins
-};
-
 /// Interpolates the two numbers that elements of an array begin with.
 template <class Element>
 HWY_INLINE Vf InterpolatePairs(const Element* elements, Vi numbers, Vf part)
@@ -187,19 +128,6 @@ HWY_INLINE Vf InterpolatePairs(const Element* elements, Vi numbers, Vf part)
   StoreIndices(numbers, offsets);
   const Pairs ends = LoadPairLanes<sizeof(Element)>(elements, 0, offsets);
   return Lerp(hn::BitCast(d, ends.x), hn::BitCast(d, ends.y), part);
-}
-
-/// Opacities of values by PacketTable::GetOpacities(); of what is no number that of the first
-/// entry.
-HWY_INLINE Vf FindOpacity(const PacketScene& scene, Vf values, std::size_t table)
-{
-  const PacketTable::Range& range = scene.Table.GetRange(table);
-  const Vf entry =
-    FindEntries(values, Splat(range.Low), Splat(range.Scale), Splat(range.Intervals));
-  const Vf whole = hn::Min(hn::Floor(entry), Splat(range.Intervals - 1.0f));
-  const Vi first = hn::Add(hn::Set(Di(), range.First), Truncate(whole));
-  return hn::Max(
-    hn::Zero(Df()), InterpolatePairs(scene.Table.GetOpacities(), first, hn::Sub(entry, whole)));
 }
 
 } // namespace HWY_NAMESPACE
