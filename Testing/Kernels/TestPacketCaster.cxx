@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <cfenv>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <limits>
@@ -143,6 +144,40 @@ public:
         return glm::dvec3(part(value), wave, 1.0 - wave);
       },
       unitDistance);
+    this->Distances = DistanceMap(this->Blocks, this->Table);
+    this->Scene.Table = &this->Table;
+    this->Scene.Distances = &this->Distances;
+  }
+
+  /// Lines between random points, some of which are steps or transparent; `size`: entries.
+  void SetRandomFunction(std::size_t size, double unitDistance)
+  {
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
+    const auto at = [&] { return uniform(this->Random); };
+    std::vector<double> places{ 0.0, 1.0 };
+    for (int i = 0; i < 12; ++i)
+    {
+      places.push_back(at() < 0.2 ? places.back() + 1e-4 : at());
+    }
+    std::sort(places.begin(), places.end());
+    std::vector<glm::dvec4> points;
+    for (std::size_t i = 0; i < places.size(); ++i)
+    {
+      points.emplace_back(at(), at(), at(), at() < 0.3 ? 0.0 : std::pow(at(), 3.0));
+    }
+    const auto find = [=](double value) {
+      const double x = (value - this->First) / (this->Last - this->First);
+      std::size_t i = 0;
+      while (i + 2 < places.size() && x >= places[i + 1])
+      {
+        ++i;
+      }
+      const double part = (x - places[i]) / std::max(places[i + 1] - places[i], 1e-9);
+      return glm::mix(points[i], points[i + 1], std::clamp(part, 0.0, 1.0));
+    };
+    this->Table = MakeTable(
+      this->First, this->Last, size, [=](double value) { return find(value).a; },
+      [=](double value) { return glm::dvec3(find(value)); }, unitDistance);
     this->Distances = DistanceMap(this->Blocks, this->Table);
     this->Scene.Table = &this->Table;
     this->Scene.Distances = &this->Distances;
@@ -650,6 +685,33 @@ TEST(PacketCaster, TransferFunctions)
   EXPECT_TRUE(std::any_of(pieces.begin(), pieces.end(), isBetween(1, 8)));
   EXPECT_TRUE(std::any_of(pieces.begin(), pieces.end(), isBetween(9, 16)));
   EXPECT_TRUE(std::any_of(pieces.begin(), pieces.end(), isBetween(17, 32)));
+}
+
+TEST(PacketCaster, RandomTransferFunctions)
+{
+  const ScalarType types[] = { ScalarType::UInt8, ScalarType::Float32, ScalarType::Int16 };
+  const BlendMode modes[] = { BlendMode::Composite, BlendMode::Average, BlendMode::Maximum };
+  const char* const more = std::getenv("FFD_FUNCTION_SCENES");
+  const int count = more ? std::atoi(more) : 30;
+  for (int i = 0; i < count; ++i)
+  {
+    SCOPED_TRACE("scene " + std::to_string(i));
+    TestScene scene(types[i % 3], static_cast<unsigned int>(i));
+    scene.SetRandomFunction(i % 2 == 0 ? 1601 : 257, i % 4 == 0 ? 0.7 : 0.3 + 0.4 * (i % 7));
+    scene.SetDeformation(1.0, PullBackKind::Exact);
+    scene.SetCamera(true, 48, 40);
+    scene.Settings.SampleDistance = 0.7;
+    scene.Settings.Shade = i % 5 != 0;
+    scene.SetBlendMode(modes[i / 3 % 3]);
+    scene.UpdateLeaps();
+    const TestScene::Picture reference = scene.Render(true);
+    ForEveryTarget([&] {
+      const TestScene::Picture packets = scene.Render(false);
+      const Difference colors = Compare(packets.Colors, reference.Colors);
+      // Single precision takes a sample for one at the other side of a step.
+      EXPECT_LT(colors.Mean, 0.15);
+    });
+  }
 }
 
 TEST(PacketCaster, SpecularPowers)
