@@ -147,6 +147,24 @@ TEST(PiecewiseOptics, OpacitiesOverAnyLength)
   EXPECT_GT(last, 8);
 }
 
+TEST(PiecewiseOptics, NothingIsMoreThanOpaque)
+{
+  const TransferTable table =
+    MakeTable(0.0, 255.0, 1021, [](double x) { return std::min(1.0, x / 200.0); });
+  for (const double length : { 0.3, 0.5, 0.8, 1.0, 2.0, 5.0 })
+  {
+    SCOPED_TRACE(length);
+    const PiecewiseOptics optics =
+      FindPiecewiseOptics(table, table.GetLow(), table.GetScale(), length);
+    EXPECT_GT(optics.Pieces, 0);
+    for (double x = 0.0; x < 256.0; x += 0.031)
+    {
+      ASSERT_LE(FindOpacity(optics, x), 1.0 + 1e-6) << x;
+    }
+    EXPECT_EQ(FindOpacity(optics, 230.0), 1.0);
+  }
+}
+
 TEST(PiecewiseOptics, BehindTheLastPieceNothingIsReached)
 {
   const PiecewiseOptics optics =

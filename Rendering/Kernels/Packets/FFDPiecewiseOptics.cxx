@@ -15,17 +15,28 @@ namespace ffd
 namespace
 {
 
-/// Opacities that change more than this within fewer entries are interpolated otherwise in the
-/// table, whose extinctions are linear between entries.
-constexpr double LargestJump = 0.05;
-constexpr std::size_t FewEntries = 4;
-
 /// The channels of PiecewiseOptics.
 using Entry = std::array<double, PiecewiseOptics::NumberOfChannels>;
 
 double ToleranceOf(const PieceTolerance& tolerance, const Entry& entry, std::size_t channel)
 {
-  return channel == 0 ? tolerance.Relative * entry[0] + tolerance.Least : tolerance.Color;
+  if (channel > 0)
+  {
+    return tolerance.Color;
+  }
+  // Where rays end, they are to end.
+  return entry[0] < 1.0 ? tolerance.Relative * entry[0] + tolerance.Least : 0.0;
+}
+
+/// Whether opacities change so much within so few entries that the table, whose extinctions are
+/// linear between entries, interpolates them otherwise. Those of opaque entries are a number that
+/// stands for any: lines are nearer to the function there.
+bool IsStep(double from, double to, std::size_t entries)
+{
+  constexpr double LargestJump = 0.05;
+  constexpr std::size_t FewEntries = 4;
+  return entries < FewEntries && std::abs(to - from) > LargestJump &&
+    (std::max(from, to) < 1.0 || std::min(from, to) < 0.5);
 }
 
 std::vector<Entry> FindEntries(const TransferTable& table, double length)
@@ -48,7 +59,7 @@ struct Line
 };
 
 /// The longest line from the entry `from` on that is within the tolerances of all entries up to its
-/// end. What is transparent, and nothing else, is on lines that are 0.
+/// end. What is transparent, and nothing else, is on lines that are 0; none is above 1.
 Line FindLine(const std::vector<Entry>& entries, std::size_t from, const PieceTolerance& nearness)
 {
   constexpr double Infinite = std::numeric_limits<double>::infinity();
@@ -76,7 +87,8 @@ Line FindLine(const std::vector<Entry>& entries, std::size_t from, const PieceTo
       most[c] = std::min(most[c], slope + tolerance);
       isNear = isNear && least[c] <= most[c];
     }
-    if (!isNear)
+    const double toOpaque = (1.0 - start[0]) / steps;
+    if (!isNear || least[0] > toOpaque)
     {
       break;
     }
@@ -85,6 +97,7 @@ Line FindLine(const std::vector<Entry>& entries, std::size_t from, const PieceTo
     {
       line.Slope[c] = 0.5 * (least[c] + most[c]);
     }
+    line.Slope[0] = std::min(line.Slope[0], toOpaque);
     if (!isTransparent && entries[i][0] <= 0.0)
     {
       break;
@@ -128,7 +141,7 @@ PiecewiseOptics FindPiecewiseOptics(const TransferTable& table, double low, doub
     Entry begin = entries[from];
     const double end = entries[line.End][0];
     if (optics.Pieces == PiecewiseOptics::LargestNumberOfPieces ||
-      (line.End - from < FewEntries && std::abs(end - begin[0]) > LargestJump))
+      IsStep(begin[0], end, line.End - from))
     {
       return none;
     }

@@ -38,7 +38,8 @@ struct PiecewiseOptics
 };
 
 /// Largest differences of pieces from the entries of a table: of opacities a part of each and a
-/// little, and of colors. No difference of pictures is as large as 0.4 of the first.
+/// little, and of colors. Pictures differ by less than the last and 0.4 of the first: an optical
+/// depth x that is wrong by a part of it, by that part of x exp(-x).
 struct PieceTolerance
 {
   double Relative = 2e-3;
