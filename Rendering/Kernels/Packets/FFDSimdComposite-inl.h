@@ -230,7 +230,6 @@ private:
     Vf opacity;
     // Whether opacities are not those of the lookup alone.
     const bool weighed = mixed || byGradient || byPlane;
-    Vf factor = hn::Zero(d);
     if (HWY_UNLIKELY(mixed && byPlane))
     {
       const PlaneTexel mix = MixPlaneWithLabels(
@@ -245,13 +244,13 @@ private:
     else if (byPlane)
     {
       const PlaneTexel texel = LookUpPlane(plane, value, gradient, FindVoxels(this->Scene, q));
-      opacity = texel.Opacity;
+      opacity = OpacityOf(this->Scene, plane, texel);
       color = texel.Color;
     }
     else if (byGradient)
     {
-      factor = labeled ? FactorOf(mask, tables, gradient) : FactorOf(gradients, gradient);
-      opacity = hn::Mul(lookup.Opacity(), factor);
+      opacity = hn::Mul(lookup.Opacity(),
+        labeled ? FactorOf(mask, tables, gradient) : FactorOf(gradients, gradient));
     }
     if (weighed)
     {
@@ -278,28 +277,11 @@ private:
     {
       color = this->Normals.Light(this->Scene.Surface, curve, q, color, gradient, s, t);
     }
-    const bool ofTexel = byPlane && !mixed;
-    const bool isInterval = ofTexel ? this->Scene.Settings.Opacity == OpacityLength::Deformed &&
-        static_cast<float>(this->Scene.Settings.SampleDistance) == plane.UnitDistance
-                                    : this->Scene.OpacityIsInterval;
-    if (HWY_LIKELY(isInterval))
+    if (HWY_UNLIKELY(this->Scene.ByExtinctions))
     {
-      return this->State.Add(visible, color,
-        hn::Sub(Splat(1.0f), weighed ? opacity : lookup.Opacity()), t,
-        this->Scene.Settings.TerminationTransmittance);
+      return this->AddColor(color, lookup.Extinction(), visible, curve, s, t);
     }
-    Vf extinction = hn::Zero(d);
-    if (weighed)
-    {
-      extinction =
-        OpaqueExtinctionOver(opacity, ofTexel ? plane.UnitDistance : this->Scene.OpacityLength);
-    }
-    if (!mixed && !byPlane)
-    {
-      const Mf exact = weighed ? hn::Ge(factor, Splat(1.0f)) : visible;
-      extinction = hn::IfThenElse(exact, lookup.Extinction(), extinction);
-    }
-    this->AddColor(color, extinction, visible, curve, s, t);
+    this->AddOpacity(color, weighed ? opacity : lookup.Opacity(), visible, curve, s, t);
   }
 };
 

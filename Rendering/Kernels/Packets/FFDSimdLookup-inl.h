@@ -30,7 +30,7 @@ HWY_INLINE Vf OpacityOver(Vf extinction, float length)
     hn::Sub(Splat(1.0f), Exp2(hn::Neg(hn::Mul(extinction, Splat(length))))));
 }
 
-/// The extinction that gives `length` an opacity.
+/// The extinction that gives `length` an opacity; an opacity of one is opaque over any interval.
 HWY_INLINE Vf ExtinctionOver(Vf opacity, float length)
 {
   const Vf one = Splat(1.0f);
@@ -39,15 +39,9 @@ HWY_INLINE Vf ExtinctionOver(Vf opacity, float length)
   const Vf logarithm = hn::IfThenElse(hn::Lt(opacity, Splat(1e-3f)),
     hn::Mul(hn::Mul(opacity, Splat(1.4426950409f)), hn::MulAdd(opacity, Splat(0.5f), one)),
     hn::Neg(Log2(hn::Max(passed, Splat(1e-30f)))));
-  return hn::Mul(hn::Max(logarithm, hn::Zero(Df())), Splat(1.0f / length));
-}
-
-/// The extinction that gives `length` an opacity; an opacity of one is opaque over any interval.
-HWY_INLINE Vf OpaqueExtinctionOver(Vf opacity, float length)
-{
-  return hn::IfThenElse(hn::Ge(opacity, Splat(1.0f)),
-    Splat(static_cast<float>(TransferTable::OpaqueExtinction) / length),
-    ExtinctionOver(opacity, length));
+  const Vf depth = hn::IfThenElse(hn::Ge(opacity, one),
+    Splat(static_cast<float>(TransferTable::OpaqueExtinction)), hn::Max(logarithm, hn::Zero(Df())));
+  return hn::Mul(depth, Splat(1.0f / length));
 }
 
 /// Looks values up in transfer functions; Color() interpolates when it is called.
@@ -95,11 +89,8 @@ public:
     return HWY_LIKELY(this->ByPieces) ? this->Density : OpacityOver(this->Density, this->Length);
   }
 
-  /// Per data unit.
-  HWY_INLINE Vf Extinction() const
-  {
-    return this->ByPieces ? OpaqueExtinctionOver(this->Density, this->Length) : this->Density;
-  }
+  /// Per data unit, where PacketScene::ByExtinctions is true.
+  HWY_INLINE Vf Extinction() const { return this->Density; }
 
   HWY_INLINE Vec3 Color() const
   {

@@ -29,7 +29,7 @@ HWY_INLINE Vf OpacityOf(const PacketScene& scene, const PacketPlane& plane, cons
 {
   return plane.UnitDistance == scene.OpacityLength
     ? texel.Opacity
-    : OpacityOver(OpaqueExtinctionOver(texel.Opacity, plane.UnitDistance), scene.OpacityLength);
+    : OpacityOver(ExtinctionOver(texel.Opacity, plane.UnitDistance), scene.OpacityLength);
 }
 
 /// Squared length of a gradient whose components are scaled.

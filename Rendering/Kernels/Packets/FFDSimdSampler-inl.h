@@ -383,8 +383,7 @@ public:
       return this->State.Add(visible, color, hn::Sub(Splat(1.0f), opacity), t,
         this->Scene.Settings.TerminationTransmittance);
     }
-    this->AddColor(
-      color, OpaqueExtinctionOver(opacity, this->Scene.OpacityLength), visible, curve, s, t);
+    this->AddColor(color, ExtinctionOver(opacity, this->Scene.OpacityLength), visible, curve, s, t);
   }
 
   PacketState State;
