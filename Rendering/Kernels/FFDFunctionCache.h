@@ -16,27 +16,26 @@ namespace ffd
 
 /**
  * What frames need of transfer functions that do not change, found on first use: large tables take
- * as long as a small picture. The functions are always the same ones. Threads may share a cache.
+ * as long as a small picture. Nothing is kept of small ones, which take little time, and memory
+ * that counts beside a small volume. The functions are always the same ones. Threads may share a
+ * cache.
  */
 class FFD_RENDERING_EXPORT FunctionCache
 {
 public:
-  /// PacketTable::MakeContents(), for the last two kinds of tables: those of still pictures and of
-  /// pictures while something moves.
+  /// Intervals of all tables together, of which nothing is kept.
+  static constexpr std::size_t FewIntervals = 4000;
+
+  /// PacketTable::MakeContents(), kept for the last kind of tables.
   std::shared_ptr<const PacketTable::Contents> FindContents(const PacketTable& table);
 
   std::size_t GetMemorySize() const;
 
 private:
-  struct Kept
-  {
-    std::vector<PacketTable::Source> Sources;
-    bool HasOpacities;
-    std::shared_ptr<const PacketTable::Contents> Contents;
-  };
-
   mutable std::mutex Mutex;
-  std::vector<Kept> Last; // the last one was asked for last
+  std::vector<PacketTable::Source> Sources; // of what is kept
+  bool HasOpacities = false;
+  std::shared_ptr<const PacketTable::Contents> Contents;
 };
 
 } // namespace ffd

@@ -49,40 +49,47 @@ TEST(FunctionCache, TablesLieBehindEachOther)
   }
 }
 
-TEST(FunctionCache, MakesEachKindOnce)
+TEST(FunctionCache, MakesWhatStaysTheSameOnce)
 {
-  const TransferTable first = MakeRamp(0.4);
-  const TransferTable second = MakeRamp(0.8);
+  const TransferTable first = MakeRamp(0.4, 4001);
+  const TransferTable second = MakeRamp(0.8, 4001);
   FunctionCache cache;
   EXPECT_EQ(cache.GetMemorySize(), 0u);
   const PacketTable table = MakePacketTable(first, second, 1.0);
   const auto contents = cache.FindContents(table);
   ASSERT_EQ(contents->Pieces.size(), 2u);
   EXPECT_EQ(contents->Pieces[0].Length, 1.0f);
-  EXPECT_GE(contents->Intervals.size(), 512u);
+  EXPECT_EQ(contents->Intervals.size(), 8000u);
   EXPECT_TRUE(contents->Opacities.empty());
   EXPECT_EQ(cache.FindContents(MakePacketTable(first, second, 1.0)), contents);
-  const std::size_t size = cache.GetMemorySize();
-  EXPECT_GE(size, 512 * sizeof(TransferInterval));
+  EXPECT_EQ(cache.GetMemorySize(), contents->GetMemorySize());
+  EXPECT_GE(cache.GetMemorySize(), 8000 * sizeof(TransferInterval));
 
   // Each of what a table is made from counts.
   const auto longer = cache.FindContents(MakePacketTable(first, second, 2.0));
   EXPECT_NE(longer, contents);
   EXPECT_EQ(longer->Pieces[1].Length, 2.0f);
-  EXPECT_EQ(cache.FindContents(table), contents) << "Two kinds are kept.";
-  PacketTable other = MakePacketTable(second, first, 1.0);
-  EXPECT_NE(cache.FindContents(other), contents);
-  EXPECT_EQ(cache.FindContents(table), contents) << "The one that was asked for last is kept.";
-  EXPECT_NE(cache.FindContents(MakePacketTable(first, second, 2.0)), longer);
-  EXPECT_LE(cache.GetMemorySize(), 2 * size);
+  const auto other = cache.FindContents(MakePacketTable(second, first, 2.0));
+  EXPECT_NE(other, longer);
+  EXPECT_NE(other->Intervals[3999].Ends[1], longer->Intervals[3999].Ends[1]);
 
-  PacketTable withOpacities = MakePacketTable(first, second, 1.0);
+  PacketTable withOpacities = MakePacketTable(second, first, 2.0);
   withOpacities.AddOpacities();
   const auto opacities = cache.FindContents(withOpacities);
-  EXPECT_NE(opacities, contents);
+  EXPECT_NE(opacities, other);
   ASSERT_EQ(opacities->UnitPieces.size(), 2u);
   ASSERT_EQ(opacities->Opacities.size(), opacities->Intervals.size());
-  EXPECT_NEAR(opacities->Opacities[255].Ends[1], 0.4f, 1e-6f);
+  EXPECT_NEAR(opacities->Opacities[3999].Ends[1], 0.8f, 1e-6f);
+  EXPECT_EQ(cache.FindContents(withOpacities), opacities);
+}
+
+TEST(FunctionCache, KeepsNothingOfSmallTables)
+{
+  const TransferTable ramp = MakeRamp(0.4);
+  FunctionCache cache;
+  const PacketTable table = MakePacketTable(ramp, ramp, 1.0);
+  EXPECT_EQ(cache.FindContents(table)->Intervals.size(), 512u);
+  EXPECT_EQ(cache.GetMemorySize(), 0u);
 }
 
 TEST(FunctionCache, WhereExtinctionsAreAskedForThereAreNoPieces)

@@ -27,6 +27,14 @@ void AddIntervals(const TransferTable& table, std::vector<TransferInterval>& int
 } // namespace
 
 //------------------------------------------------------------------------------
+std::size_t PacketTable::Contents::GetMemorySize() const
+{
+  return (this->Pieces.capacity() + this->UnitPieces.capacity()) * sizeof(PiecewiseOptics) +
+    this->Intervals.capacity() * sizeof(TransferInterval) +
+    this->Opacities.capacity() * sizeof(OpacityPair);
+}
+
+//------------------------------------------------------------------------------
 void PacketTable::Add(const Source& source)
 {
   const Range* const last = this->Ranges.empty() ? nullptr : &this->Ranges.back();
@@ -40,6 +48,9 @@ void PacketTable::Add(const Source& source)
 std::shared_ptr<const PacketTable::Contents> PacketTable::MakeContents() const
 {
   auto contents = std::make_shared<Contents>();
+  const Range& last = this->Ranges.back();
+  contents->Intervals.reserve(
+    static_cast<std::size_t>(last.First) + static_cast<std::size_t>(last.Intervals));
   for (const Source& source : this->Sources)
   {
     PiecewiseOptics pieces;

@@ -62,6 +62,8 @@ public:
     // For normals of opacity.
     std::vector<PiecewiseOptics> UnitPieces; ///< of each table, over its unit distance
     std::vector<OpacityPair> Opacities;      ///< of the intervals
+
+    FFD_RENDERING_EXPORT std::size_t GetMemorySize() const;
   };
 
   /// Another table behind those that there are; it must outlive Fill().
