@@ -25,7 +25,7 @@ HWY_INLINE Vf SelectOfTwo(const float* elements, Vi numbers)
   const Df d;
   const Vf first = hn::Load(d, elements);
   const Vf second = hn::Load(d, elements + hn::Lanes(d));
-#if HWY_TARGET <= HWY_AVX3
+#if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3
   return Vf{ _mm512_permutex2var_ps(first.raw, numbers.raw, second.raw) };
 #else
   const Di di;
