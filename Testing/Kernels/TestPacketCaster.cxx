@@ -137,16 +137,13 @@ public:
     const auto part = [this](double value) {
       return (value - this->First) / (this->Last - this->First);
     };
-    this->Table = MakeTable(
+    this->UseTable(MakeTable(
       this->First, this->Last, 1601, [=](double value) { return std::max(0.0, part(value) - 0.2); },
       [=](double value) {
         const double wave = 0.5 + 0.5 * std::sin(6.28 * waves * part(value));
         return glm::dvec3(part(value), wave, 1.0 - wave);
       },
-      unitDistance);
-    this->Distances = DistanceMap(this->Blocks, this->Table);
-    this->Scene.Table = &this->Table;
-    this->Scene.Distances = &this->Distances;
+      unitDistance));
   }
 
   /// Lines between random points, some of which are steps or transparent; `size`: entries.
@@ -175,12 +172,9 @@ public:
       const double part = (x - places[i]) / std::max(places[i + 1] - places[i], 1e-9);
       return glm::mix(points[i], points[i + 1], std::clamp(part, 0.0, 1.0));
     };
-    this->Table = MakeTable(
+    this->UseTable(MakeTable(
       this->First, this->Last, size, [=](double value) { return find(value).a; },
-      [=](double value) { return glm::dvec3(find(value)); }, unitDistance);
-    this->Distances = DistanceMap(this->Blocks, this->Table);
-    this->Scene.Table = &this->Table;
-    this->Scene.Distances = &this->Distances;
+      [=](double value) { return glm::dvec3(find(value)); }, unitDistance));
   }
 
   /// Values up to `least` of 0 to 100 are transparent.
@@ -196,11 +190,8 @@ public:
       rgb[3 * i + 2] = 1.0f - v / 100.0f;
       opacity[i] = std::max(0.0f, 0.004f * (v - static_cast<float>(least)));
     }
-    this->Table =
-      TransferTable(this->First, this->Last, opacity.size(), rgb.data(), opacity.data(), 1.0);
-    this->Distances = DistanceMap(this->Blocks, this->Table);
-    this->Scene.Table = &this->Table;
-    this->Scene.Distances = &this->Distances;
+    this->UseTable(
+      TransferTable(this->First, this->Last, opacity.size(), rgb.data(), opacity.data(), 1.0));
   }
 
   /// Random displacements of a 7^3 lattice over the volume, smoothed; `size` in data units.
@@ -354,6 +345,14 @@ public:
   CastSettings Settings;
 
 private:
+  void UseTable(const TransferTable& table)
+  {
+    this->Table = table;
+    this->Distances = DistanceMap(this->Blocks, this->Table);
+    this->Scene.Table = &this->Table;
+    this->Scene.Distances = &this->Distances;
+  }
+
   void MakeBlocks() { this->Blocks = MinMaxBlocks(this->Scene.Volume, ParallelFor()); }
 
   double First = 0.0; ///< values of the blob's 0 and 100
@@ -651,7 +650,6 @@ TEST(PacketCaster, Options)
   }
 }
 
-/// Whole powers are multiplied, others are not.
 /// Transfer functions of few and many pieces, which are looked up in registers, and of too many.
 TEST(PacketCaster, TransferFunctions)
 {
@@ -714,6 +712,7 @@ TEST(PacketCaster, RandomTransferFunctions)
   }
 }
 
+/// Whole powers are multiplied, others are not.
 TEST(PacketCaster, SpecularPowers)
 {
   for (const float power : { 0.0f, 1.0f, 7.0f, 7.5f, 128.0f, 200.0f })

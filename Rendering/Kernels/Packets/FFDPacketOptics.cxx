@@ -60,10 +60,10 @@ void AddTable(const TransferTable& table, int component, PacketScene& scene)
 {
   const double low = AsFetched(scene.Volume, component, table.GetLow());
   const double scale = table.GetScale() / scene.Volume.Scale[component];
-  const bool composites = scene.Sampling == PacketSampling::Composite;
-  const double length =
-    composites ? static_cast<double>(scene.OpacityLength) : table.GetUnitDistance();
-  scene.Table.Add({ &table, low, scale, length, !composites || !scene.ByExtinctions });
+  const double length = scene.Sampling == PacketSampling::Composite
+    ? static_cast<double>(scene.OpacityLength)
+    : table.GetUnitDistance();
+  scene.Table.Add({ &table, low, scale, length, !scene.ByExtinctions });
 }
 
 /// Whether opacities of composited samples are more than those of one table.
@@ -442,7 +442,7 @@ void SetOptics(
   const bool weighs = WeighsOpacities(classifier, kind);
   const double length =
     deformed && !weighs ? p.Settings.SampleDistance : classifier.GetReferenceLength();
-  p.ByExtinctions = !deformed && !weighs;
+  p.ByExtinctions = kind.Composites && !deformed && !weighs;
   p.OpacityLength = static_cast<float>(length);
   p.OpacityIsInterval = deformed && p.Settings.SampleDistance == length;
   AddTable(*scene.Table, component, p);

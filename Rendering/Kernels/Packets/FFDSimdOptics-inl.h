@@ -13,7 +13,6 @@
 #include "FFDSimdLookup-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdPlane-inl.h"
-#include "FFDSimdTable-inl.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -105,11 +105,7 @@ private:
   HWY_INLINE void Find(
     const PacketTable& table, Vf values, Vf low, Vf scale, Vf intervals, Vi first)
   {
-    this->Load(table, FindEntries(values, low, scale, intervals), intervals, first);
-  }
-
-  HWY_INLINE void Load(const PacketTable& table, Vf entry, Vf intervals, Vi first)
-  {
+    const Vf entry = FindEntries(values, low, scale, intervals);
     const Vf whole = hn::Min(hn::Floor(entry), hn::Sub(intervals, Splat(1.0f)));
     this->Fraction = hn::Sub(entry, whole);
     this->Interval = LoadIntervals(table.GetIntervals(), hn::Add(first, Truncate(whole)));
