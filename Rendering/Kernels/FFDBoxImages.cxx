@@ -40,13 +40,6 @@ BoxGrid::BoxGrid(const Box& bounds, double number, double smallestEdge)
 }
 
 //------------------------------------------------------------------------------
-Box BoxGrid::Get(const glm::ivec3& index) const
-{
-  const glm::dvec3 low = this->First + glm::dvec3(index) * this->Edge;
-  return { low, low + this->Edge };
-}
-
-//------------------------------------------------------------------------------
 Grid<glm::dvec3> CopyCoefficients(
   const BSplineField& field, const glm::ivec3& first, const glm::ivec3& end)
 {

@@ -30,7 +30,11 @@ struct FFD_RENDERING_EXPORT BoxGrid
   BoxGrid(const Box& bounds, double number, double smallestEdge);
 
   double At(int a, int i) const { return this->First[a] + i * this->Edge[a]; }
-  Box Get(const glm::ivec3& index) const;
+  Box Get(const glm::ivec3& index) const
+  {
+    const glm::dvec3 low = this->First + glm::dvec3(index) * this->Edge;
+    return { low, low + this->Edge };
+  }
   bool operator==(const BoxGrid& other) const
   {
     return this->First == other.First && this->Edge == other.Edge && this->Count == other.Count;

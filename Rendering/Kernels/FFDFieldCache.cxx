@@ -22,14 +22,18 @@ bool HasFewControlPoints(const BSplineField& field)
 //------------------------------------------------------------------------------
 PacketField FieldCache::FindPacketField(const BSplineField& field, const Box& rest, int cells)
 {
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  if (!this->SecondDerivative)
+  {
+    this->SecondDerivative = PacketField::FindSecondDerivative(field);
+  }
   if (HasFewControlPoints(field))
   {
-    return PacketField(field, rest, cells);
+    return PacketField(field, rest, cells, *this->SecondDerivative);
   }
-  const std::lock_guard<std::mutex> lock(this->Mutex);
   if (!this->Packets.Coefficients || this->Cells != cells || !(this->Rest == rest))
   {
-    this->Packets = PacketField(field, rest, cells);
+    this->Packets = PacketField(field, rest, cells, *this->SecondDerivative);
     this->Rest = rest;
     this->Cells = cells;
   }

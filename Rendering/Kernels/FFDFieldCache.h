@@ -22,9 +22,9 @@ namespace ffd
 
 /**
  * What frames need of a field that does not change, found on first use: with a lattice of many
- * control points that takes longer than a frame. Nothing is kept of one of few, which takes little
- * time, and memory that counts beside a small volume. The field is always the same one. Threads may
- * share a cache.
+ * control points that takes longer than a frame. Nothing but a number is kept of one of few, which
+ * takes little time, and memory that counts beside a small volume. The field is always the same
+ * one. Threads may share a cache.
  */
 class FFD_RENDERING_EXPORT FieldCache
 {
@@ -50,6 +50,7 @@ private:
   int Cells = 0;
   std::vector<std::shared_ptr<const BoxImages>> Images; ///< the last one was asked for last
   std::optional<ThirdDerivatives> Third;
+  std::optional<double> SecondDerivative;
 };
 
 } // namespace ffd

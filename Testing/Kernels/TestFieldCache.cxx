@@ -27,6 +27,12 @@ BSplineField MakeField(int nodes)
     glm::ivec3(nodes), glm::dvec3(1.0, -2.0, 3.0), glm::dvec3(1.0, 0.7, 1.3), displacements.data());
 }
 
+/// What a cache is to make of a field that goes on linearly.
+PacketField Extend(const BSplineField& field, const Box& rest)
+{
+  return PacketField(field, rest, 4, PacketField::FindSecondDerivative(field));
+}
+
 /// The part of a lattice in which D is known, from the second control point to the last but one.
 Box FindDomain(const BSplineField& field)
 {
@@ -48,7 +54,7 @@ TEST(FieldCache, MakesEachFieldOnce)
   EXPECT_EQ(cache.GetMemorySize(), plain.GetMemorySize());
 
   const PacketField extended = cache.FindPacketField(field, rest, 4);
-  EXPECT_EQ(*extended.Coefficients, *PacketField(field, rest, 4).Coefficients);
+  EXPECT_EQ(*extended.Coefficients, *Extend(field, rest).Coefficients);
   EXPECT_NE(*extended.Coefficients, *plain.Coefficients);
   EXPECT_EQ(cache.FindPacketField(field, rest, 4).Coefficients, extended.Coefficients);
   EXPECT_EQ(cache.GetMemorySize(), extended.GetMemorySize());
@@ -65,8 +71,14 @@ TEST(FieldCache, KeepsNothingOfFewControlPoints)
   FieldCache cache;
   const Box rest = FindDomain(field);
   const BoxGrid boxes(rest, 50.0, 1e-3);
-  EXPECT_EQ(
-    *cache.FindPacketField(field, rest, 4).Coefficients, *PacketField(field, rest, 4).Coefficients);
+  // But for a number.
+  for (int repeat = 0; repeat < 2; ++repeat)
+  {
+    const PacketField extended = cache.FindPacketField(field, rest, 4);
+    EXPECT_EQ(*extended.Coefficients, *Extend(field, rest).Coefficients);
+    EXPECT_GT(extended.SecondDerivative, 0.0f);
+    EXPECT_EQ(extended.SecondDerivative, PacketField(field).SecondDerivative);
+  }
   EXPECT_EQ(cache.FindBoxImages(boxes, field, -1.0)->Find(glm::ivec3(0)),
     BoxImages(boxes, &field, -1.0).Find(glm::ivec3(0)));
   EXPECT_EQ(cache.FindThirdDerivatives(field).Largest[0][1][2],

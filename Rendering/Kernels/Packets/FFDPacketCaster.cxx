@@ -180,6 +180,7 @@ PacketCaster::PacketCaster(const CastScene& scene, const CastSettings& settings,
   RunBoth(
     parallelFor, [&] { SetSeen(parallelFor, p); },
     [&] {
+      FillTable(p);
       SetPullBack(p);
       if (p.Identity)
       {

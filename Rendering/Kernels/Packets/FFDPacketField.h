@@ -53,7 +53,7 @@ public:
 
   /// Takes a copy, relative to the origin of the data.
   explicit PacketField(const BSplineField& field)
-    : PacketField(field, field)
+    : PacketField(field, field, FindSecondDerivative(field))
   {
   }
 
@@ -63,9 +63,11 @@ public:
    * T^-1 stays smooth along rays that leave the volume, and T one to one if the lattice turns the
    * volume by large angles; it would not with a D that is constant at once. T^-1 is the same
    * wherever it leads into the volume. Of another field it takes a copy as it is.
+   * `secondDerivative`: FindSecondDerivative() of the field, which takes longer than the copy.
    */
-  PacketField(const BSplineField& field, const Box& rest, int cells)
-    : PacketField(field, cells > 0 && CanExtend(field, rest) ? ExtendLinearly(field, cells) : field)
+  PacketField(const BSplineField& field, const Box& rest, int cells, double secondDerivative)
+    : PacketField(field, cells > 0 && CanExtend(field, rest) ? ExtendLinearly(field, cells) : field,
+        secondDerivative)
   {
   }
 
@@ -90,15 +92,53 @@ public:
   /// does not fold: they may be far shorter than what the cells of many control points are for.
   void AllowLongSteps() { this->LongestStep = this->LongStep; }
 
+  /// A bound of the second derivatives of D, which are convex combinations of second differences of
+  /// control points.
+  static double FindSecondDerivative(const BSplineField& field)
+  {
+    const std::vector<glm::dvec3>& c = field.GetCoefficients();
+    const glm::ivec3 n = field.GetPaddedNodes();
+    const std::ptrdiff_t strides[3] = { 1, n.x, static_cast<std::ptrdiff_t>(n.x) * n.y };
+    const glm::dvec3 h = glm::abs(field.GetSpacing());
+    double sum = 0.0;
+    for (int a = 0; a < 3; ++a)
+    {
+      for (int b = a; b < 3; ++b)
+      {
+        // c(+a +b) - c(+a) - c(+b) + c, which for a = b is the difference centered on +a.
+        const glm::ivec3 end = n - (a == b ? 2 : 1);
+        glm::ivec3 last = n;
+        last[a] = end[a];
+        last[b] = end[b];
+        double largest = 0.0;
+        for (int k = 0; k < last.z; ++k)
+        {
+          for (int j = 0; j < last.y; ++j)
+          {
+            for (int i = 0; i < last.x; ++i)
+            {
+              const std::ptrdiff_t at = i + strides[1] * j + strides[2] * k;
+              const glm::dvec3 difference =
+                c[at + strides[a] + strides[b]] - c[at + strides[a]] - c[at + strides[b]] + c[at];
+              largest = std::max(largest, glm::dot(difference, difference));
+            }
+          }
+        }
+        sum += (a == b ? 1.0 : 2.0) * largest / (h[a] * h[a] * h[b] * h[b]);
+      }
+    }
+    return std::sqrt(sum);
+  }
+
 private:
   /// Of the longest steps in the lattice.
   static constexpr double LongStepsAcross = 8.0;
 
   /// Takes the control points of `extended`, which is `field` or that with more around it.
-  PacketField(const BSplineField& field, const BSplineField& extended)
+  PacketField(const BSplineField& field, const BSplineField& extended, double secondDerivative)
     : StrideY(extended.GetPaddedNodes().x)
     , StrideZ(extended.GetPaddedNodes().y)
-    , SecondDerivative(static_cast<float>(FindSecondDerivative(field)))
+    , SecondDerivative(static_cast<float>(secondDerivative))
     , Smooth(extended.GetBorder() != BorderMode::ZeroAtBorder)
     , Corner(extended.GetOrigin())
   {
@@ -148,43 +188,6 @@ private:
       }
     }
     return true;
-  }
-
-  /// The second derivatives are convex combinations of second differences of control points.
-  static double FindSecondDerivative(const BSplineField& field)
-  {
-    const std::vector<glm::dvec3>& c = field.GetCoefficients();
-    const glm::ivec3 n = field.GetPaddedNodes();
-    const std::ptrdiff_t strides[3] = { 1, n.x, static_cast<std::ptrdiff_t>(n.x) * n.y };
-    const glm::dvec3 h = glm::abs(field.GetSpacing());
-    double sum = 0.0;
-    for (int a = 0; a < 3; ++a)
-    {
-      for (int b = a; b < 3; ++b)
-      {
-        // c(+a +b) - c(+a) - c(+b) + c, which for a = b is the difference centered on +a.
-        const glm::ivec3 end = n - (a == b ? 2 : 1);
-        glm::ivec3 last = n;
-        last[a] = end[a];
-        last[b] = end[b];
-        double largest = 0.0;
-        for (int k = 0; k < last.z; ++k)
-        {
-          for (int j = 0; j < last.y; ++j)
-          {
-            for (int i = 0; i < last.x; ++i)
-            {
-              const std::ptrdiff_t at = i + strides[1] * j + strides[2] * k;
-              const glm::dvec3 difference =
-                c[at + strides[a] + strides[b]] - c[at + strides[a]] - c[at + strides[b]] + c[at];
-              largest = std::max(largest, glm::dot(difference, difference));
-            }
-          }
-        }
-        sum += (a == b ? 1.0 : 2.0) * largest / (h[a] * h[a] * h[b] * h[b]);
-      }
-    }
-    return std::sqrt(sum);
   }
 
   float LongStep = 0.0f;

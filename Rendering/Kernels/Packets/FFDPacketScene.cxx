@@ -334,9 +334,6 @@ PacketScene MakePacketScene(
   SetClipping(scene, p);
   SetLeaping(scene, settings, p);
   SetShading(scene, settings, classifier, p);
-  p.Table.Fill(
-    scene.KeptOfFunctions ? scene.KeptOfFunctions->FindContents(p.Table) : p.Table.MakeContents());
-
   p.Inner =
     p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components && !p.Grid.Snaps;
   const bool isPair = p.KindOfComponents == ComponentKind::Independent && p.Volume.Components == 2;
@@ -357,6 +354,13 @@ PacketScene MakePacketScene(
     : p.OpacityByGradient ? CompositeOptions::GradientOpacity
                           : CompositeOptions::None;
   return p;
+}
+
+//------------------------------------------------------------------------------
+void FillTable(PacketScene& p)
+{
+  FunctionCache* const kept = p.Source->KeptOfFunctions;
+  p.Table.Fill(kept ? kept->FindContents(p.Table) : p.Table.MakeContents());
 }
 
 //------------------------------------------------------------------------------

@@ -296,10 +296,13 @@ struct PacketScene
   PacketSurface Surface; ///< of the first component
 };
 
-/// Makes a scene, but for what SetSeen() and SetPullBack() add. `scene` and `frame` must outlive
-/// it.
+/// Makes a scene, but for what FillTable(), SetSeen() and SetPullBack() add. `scene` and `frame`
+/// must outlive it.
 PacketScene MakePacketScene(
   const CastScene& scene, const CastSettings& settings, const IntegrationFrame& frame);
+
+/// Sets what samples look up in PacketScene::Table.
+void FillTable(PacketScene& p);
 
 /// Sets what may be visible of each tile.
 void SetSeen(const ParallelFor& parallelFor, PacketScene& p);
