@@ -4,6 +4,8 @@
 
 #include "vtkFFDVersions.h"
 
+#include "FFDPixelBytes.h"
+
 #include "vtkNew.h"
 #include "vtkOpenGLQuadHelper.h"
 #include "vtkOpenGLRenderWindow.h"
@@ -17,7 +19,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -310,6 +314,71 @@ private:
   GLuint Depths = 0;
 };
 
+/// Whether OpenGL is a rasterizer on the CPU, of Mesa: there a quad takes longer than to blend in
+/// memory.
+bool IsSoftware()
+{
+  const auto* const name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  return name && (std::strstr(name, "llvmpipe") || std::strstr(name, "softpipe"));
+}
+
+/// The texture of bytes that all is drawn into as it is, with a sample a pixel, so that pixels of a
+/// rectangle may be put there without being drawn; 0 if it is another kind of framebuffer.
+GLuint FindDrawnTexture(const int rectangle[4])
+{
+  GLint samples = 0;
+  GLint buffers[2] = { GL_NONE, GL_NONE };
+  GLint scissor[4] = { 0, 0, 0, 0 };
+  GLboolean mask[4] = { GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE };
+  glGetIntegerv(GL_SAMPLES, &samples);
+  glGetIntegerv(GL_DRAW_BUFFER0, &buffers[0]);
+  glGetIntegerv(GL_DRAW_BUFFER1, &buffers[1]);
+  glGetIntegerv(GL_SCISSOR_BOX, scissor);
+  glGetBooleanv(GL_COLOR_WRITEMASK, mask);
+  bool plain = samples == 0 && buffers[1] == GL_NONE && !glIsEnabled(GL_STENCIL_TEST) &&
+    std::all_of(mask, mask + 4, [](GLboolean writes) { return writes == GL_TRUE; });
+  for (int a = 0; a < 2 && glIsEnabled(GL_SCISSOR_TEST); ++a)
+  {
+    plain = plain && rectangle[a] >= scissor[a] &&
+      rectangle[a] + rectangle[2 + a] <= scissor[a] + scissor[2 + a];
+  }
+  if (!plain || buffers[0] == GL_NONE)
+  {
+    return 0;
+  }
+  const auto find = [buffer = static_cast<GLenum>(buffers[0])](GLenum property) {
+    GLint value = 0;
+    glGetFramebufferAttachmentParameteriv(GL_DRAW_FRAMEBUFFER, buffer, property, &value);
+    return value;
+  };
+  return find(GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) == GL_TEXTURE &&
+      find(GL_FRAMEBUFFER_ATTACHMENT_TEXTURE_LEVEL) == 0 && glGetError() == GL_NO_ERROR
+    ? static_cast<GLuint>(find(GL_FRAMEBUFFER_ATTACHMENT_OBJECT_NAME))
+    : 0;
+}
+
+/// Reads RGBA of a rectangle of pixels from the first buffer that is drawn into.
+void ReadDrawn(const int rectangle[4], unsigned char* pixels)
+{
+  GLint drawn = 0;
+  GLint read = 0;
+  GLint buffer = GL_NONE;
+  GLint before = GL_NONE;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn);
+  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(drawn));
+  glGetIntegerv(GL_DRAW_BUFFER0, &buffer);
+  glGetIntegerv(GL_READ_BUFFER, &before);
+  glReadBuffer(static_cast<GLenum>(buffer));
+  {
+    const PixelStorage storage(PixelStorage::Read);
+    glReadPixels(
+      rectangle[0], rectangle[1], rectangle[2], rectangle[3], GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+  }
+  glReadBuffer(static_cast<GLenum>(before));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read));
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -321,6 +390,7 @@ struct vtkFFDImageDisplay::Resources
   vtkNew<vtkTextureObject> PixelDepths;
   std::unique_ptr<vtkOpenGLQuadHelper> Quad;
   std::unique_ptr<vtkOpenGLQuadHelper> LayerQuad;
+  std::vector<unsigned char> Blended;
   vtkWeakPointer<vtkOpenGLRenderWindow> Window;
 
   /// Fill a texture with a rectangle of an image of `components` numbers a pixel.
@@ -354,6 +424,47 @@ struct vtkFFDImageDisplay::Resources
     texture->SetMinificationFilter(filter);
     texture->SetMagnificationFilter(filter);
     return true;
+  }
+
+  /// Puts a part of an image of bytes, pixel by pixel, over what is drawn already, without drawing
+  /// it. `rectangle`: as for Draw(), `viewport`: FindViewport(). False where that is not possible.
+  bool Blend(
+    const Image& image, const Rectangle& part, const double rectangle[4], const int viewport[4])
+  {
+    int pixels[4] = { 0, 0, part.Width(), part.Height() };
+    for (int a = 0; a < 2; ++a)
+    {
+      const double corner = 0.5 * (rectangle[a] + 1.0) * viewport[2 + a];
+      pixels[a] = viewport[a] + static_cast<int>(std::lround(corner)) + part.Low[a];
+    }
+    const GLuint texture = FindDrawnTexture(pixels);
+    if (texture == 0)
+    {
+      return false;
+    }
+    const std::size_t width = static_cast<std::size_t>(part.Width());
+    this->Blended.resize(4 * width * static_cast<std::size_t>(part.Height()));
+    ReadDrawn(pixels, this->Blended.data());
+    unsigned char* below = this->Blended.data();
+    for (int y = part.Low[1]; y < part.High[1]; ++y, below += 4 * width)
+    {
+      const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y) * image.Width + part.Low[0];
+      ffd::BlendPixelBytes(image.Bytes + 4 * first, width, below);
+    }
+    const PixelStorage storage(PixelStorage::Upload);
+    GLint bound = 0;
+    glGetIntegerv(GL_TEXTURE_BINDING_2D, &bound);
+    glBindTexture(GL_TEXTURE_2D, texture);
+    // Else it is one of another kind, and what is bound is another texture.
+    bool done = glGetError() == GL_NO_ERROR;
+    if (done)
+    {
+      glTexSubImage2D(GL_TEXTURE_2D, 0, pixels[0], pixels[1], pixels[2], pixels[3], GL_RGBA,
+        GL_UNSIGNED_BYTE, this->Blended.data());
+      done = glGetError() == GL_NO_ERROR;
+    }
+    glBindTexture(GL_TEXTURE_2D, static_cast<GLuint>(bound));
+    return done;
   }
 
   /// The program of a quad, made if need be and ready; null if it does not compile.
@@ -404,6 +515,18 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
   if (part.Width() <= 0 || part.Height() <= 0)
   {
     return true;
+  }
+  if (pixelByPixel && image.Bytes && !layers.Colors && IsSoftware())
+  {
+    int viewport[4];
+    FindViewport(renderer, viewport);
+    ClearErrors();
+    const bool blended = gl.Blend(image, part, rectangle, viewport);
+    ClearErrors();
+    if (blended)
+    {
+      return true;
+    }
   }
   // Nearest, so that rounding does not blend neighbors of a picture with a ray for each pixel.
   const int filter = pixelByPixel ? vtkTextureObject::Nearest : vtkTextureObject::Linear;
@@ -471,6 +594,15 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
     texture.second->Deactivate();
   }
   return true;
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDImageDisplay::Flush(vtkRenderer* renderer)
+{
+  if (vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow()))
+  {
+    glFlush();
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -57,11 +57,15 @@ public:
   /// Whether what is drawn now would be rounded to bytes: then an image may consist of these.
   static bool DrawsBytes(vtkRenderer* renderer);
 
+  /// Lets OpenGL begin with what it was asked for, while rays are cast.
+  static void Flush(vtkRenderer* renderer);
+
   /**
    * Draw an image and its layers over the rectangle (xmin, ymin, xmax, ymax) of the viewport, in
    * normalized device coordinates. With layers the image is one of floats. `pixelByPixel`: each
-   * pixel of the image lies on one of the window. Returns false when the window of the renderer is
-   * not an OpenGL one or refuses the texture.
+   * pixel of the image lies on one of the window; where OpenGL is Mesa's rasterizer an image of
+   * bytes is then blended in memory, which takes less time than to draw it. Returns false when the
+   * window of the renderer is not an OpenGL one or refuses the texture.
    */
   bool Draw(vtkRenderer* renderer, const Image& image, const Layers& layers,
     const double rectangle[4], bool pixelByPixel);

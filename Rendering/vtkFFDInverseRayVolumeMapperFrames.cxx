@@ -489,6 +489,10 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   {
     cast.AsBytes = [renderer] { return vtkFFDImageDisplay::DrawsBytes(renderer); };
   }
+  if (shown)
+  {
+    vtkFFDImageDisplay::Flush(renderer);
+  }
   const bool done = in.Caster.Cast(frame, cast, depths, visibleDepths);
   vtkFFDImageDisplay::Layers layers;
   if (done && layered && in.FindSceneTime(volume) == sceneTime)

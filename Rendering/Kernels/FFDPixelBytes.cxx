@@ -63,6 +63,54 @@ void WriteBytes(const float* colors, std::size_t pixels, bool premultiplied, std
   }
 }
 
+HWY_INLINE void BlendPixel(const std::uint8_t* over, std::uint8_t* below)
+{
+  const unsigned int rest = 255u - over[3];
+  for (int c = 0; c < 4; ++c)
+  {
+    // Divided by 255, rounded.
+    const unsigned int seen = below[c] * rest + 128u;
+    const unsigned int sum = over[c] + ((seen + (seen >> 8)) >> 8);
+    below[c] = static_cast<std::uint8_t>(std::min(sum, 255u));
+  }
+}
+
+#if HWY_TARGET != HWY_SCALAR
+/// BlendPixel() of as many pixels as a vector of words holds.
+HWY_INLINE void BlendLanes(const std::uint8_t* over, std::uint8_t* below)
+{
+  const hn::ScalableTag<std::uint16_t> d;
+  const hn::Rebind<std::uint8_t, decltype(d)> db;
+  const hn::Repartition<std::uint8_t, decltype(d)> bytes;
+  HWY_ALIGN static constexpr std::uint8_t fourth[16] = { 6, 7, 6, 7, 6, 7, 6, 7, 14, 15, 14, 15, 14,
+    15, 14, 15 };
+  const auto colors = hn::PromoteTo(d, hn::LoadU(db, over));
+  const auto alpha =
+    hn::BitCast(d, hn::TableLookupBytes(hn::BitCast(bytes, colors), hn::LoadDup128(bytes, fourth)));
+  const auto rest = hn::Sub(hn::Set(d, 255), alpha);
+  const auto seen = hn::Add(hn::Mul(hn::PromoteTo(d, hn::LoadU(db, below)), rest), hn::Set(d, 128));
+  const auto sum = hn::Add(colors, hn::ShiftRight<8>(hn::Add(seen, hn::ShiftRight<8>(seen))));
+  const hn::RebindToSigned<decltype(d)> words;
+  hn::StoreU(hn::DemoteTo(db, hn::BitCast(words, sum)), db, below);
+}
+#endif
+
+void BlendBytes(const std::uint8_t* over, std::size_t pixels, std::uint8_t* below)
+{
+  std::size_t i = 0;
+#if HWY_TARGET != HWY_SCALAR
+  const std::size_t lanes = hn::Lanes(hn::ScalableTag<std::uint16_t>()) / 4;
+  for (; i + lanes <= pixels; i += lanes)
+  {
+    BlendLanes(over + 4 * i, below + 4 * i);
+  }
+#endif
+  for (; i < pixels; ++i)
+  {
+    BlendPixel(over + 4 * i, below + 4 * i);
+  }
+}
+
 } // namespace HWY_NAMESPACE
 } // namespace ffd
 HWY_AFTER_NAMESPACE();
@@ -72,12 +120,19 @@ namespace ffd
 {
 
 HWY_EXPORT(WriteBytes);
+HWY_EXPORT(BlendBytes);
 
 //------------------------------------------------------------------------------
 void WritePixelBytes(
   const float* colors, std::size_t pixels, bool premultiplied, std::uint8_t* bytes)
 {
   HWY_DYNAMIC_DISPATCH(WriteBytes)(colors, pixels, premultiplied, bytes);
+}
+
+//------------------------------------------------------------------------------
+void BlendPixelBytes(const std::uint8_t* over, std::size_t pixels, std::uint8_t* below)
+{
+  HWY_DYNAMIC_DISPATCH(BlendBytes)(over, pixels, below);
 }
 
 } // namespace ffd

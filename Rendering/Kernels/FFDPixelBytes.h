@@ -19,6 +19,14 @@ namespace ffd
 FFD_RENDERING_EXPORT void WritePixelBytes(
   const float* colors, std::size_t pixels, bool premultiplied, std::uint8_t* bytes);
 
+/**
+ * Puts colors over those in `below`: over + (1 - alpha of over) * below, rounded, for all of RGBA;
+ * what is above 1 becomes 1. Both are bytes of so many pixels, premultiplied. So does OpenGL blend
+ * them (GL_ONE, GL_ONE_MINUS_SRC_ALPHA) in a buffer of bytes.
+ */
+FFD_RENDERING_EXPORT void BlendPixelBytes(
+  const std::uint8_t* over, std::size_t pixels, std::uint8_t* below);
+
 } // namespace ffd
 
 #endif

@@ -95,3 +95,37 @@ TEST(PixelBytes, OfWhatIsNoColor)
     EXPECT_TRUE(std::all_of(bytes + 4, bytes + 16, [](std::uint8_t b) { return b == 0; }));
   });
 }
+
+TEST(PixelBytes, AreBlended)
+{
+  // All bytes over all, with all alphas; colors that are brighter than their alpha, too.
+  std::vector<std::uint8_t> over;
+  std::vector<std::uint8_t> below;
+  for (int alpha = 0; alpha < 256; ++alpha)
+  {
+    for (int b = 0; b < 256; ++b)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        over.push_back(static_cast<std::uint8_t>((alpha * (c + 1) / 2 + 5 * c) % 256));
+        below.push_back(static_cast<std::uint8_t>((b + 85 * c) % 256));
+      }
+      over.push_back(static_cast<std::uint8_t>(alpha));
+      below.push_back(static_cast<std::uint8_t>(b));
+    }
+  }
+  ffd::ForEveryTarget([&] {
+    for (std::size_t pixels : { over.size() / 4, std::size_t{ 1 }, std::size_t{ 13 } })
+    {
+      std::vector<std::uint8_t> blended = below;
+      ffd::BlendPixelBytes(over.data(), pixels, blended.data());
+      for (std::size_t i = 0; i < blended.size(); ++i)
+      {
+        const double seen = below[i] * (255.0 - over[i / 4 * 4 + 3]) / 255.0;
+        ASSERT_EQ(
+          blended[i], i < 4 * pixels ? std::min(255.0, over[i] + std::floor(seen + 0.5)) : below[i])
+          << "byte " << i << " of " << pixels << " pixels";
+      }
+    }
+  });
+}

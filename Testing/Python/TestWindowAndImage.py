@@ -4,6 +4,7 @@
 of a pixel are the same, to the last bit. In noise, taken from the nearest voxel behind a mask of
 noise, a sample that is moved by the last bit now and then is another voxel's."""
 
+import itertools
 import unittest
 
 import numpy
@@ -11,7 +12,7 @@ import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
-from vtkmodules.vtkFiltersSources import vtkCubeSource
+from vtkmodules.vtkFiltersSources import vtkCubeSource, vtkPlaneSource
 from vtkmodules.vtkRenderingCore import (
     vtkActor, vtkColorTransferFunction, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkVolume,
     vtkWindowToImageFilter)
@@ -125,6 +126,65 @@ class TestWindowAndImage(unittest.TestCase):
         self.assertGreater((depths == 1.0).mean(), 0.5)
         self.assertTrue((colors == expected[0]).all())
         self.assertTrue((depths == expected[1]).all())
+
+    def test_blending(self):
+        """Over what was drawn before, in windows that take pixels and in those of several samples a pixel, which do not."""
+        self.make_scene(6)
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(0.0, 0.0)
+        opacity.AddPoint(100.0, 0.2)
+        self.volume.GetProperty().SetScalarOpacity(opacity)
+        behind = vtkRenderer()
+        behind.SetBackground(0.7, 0.1, 0.3)
+        plane = vtkPlaneSource()
+        plane.SetNormal(*self.renderer.GetActiveCamera().GetDirectionOfProjection())
+        mapper = vtkPolyDataMapper()
+        mapper.SetInputConnection(plane.GetOutputPort())
+        actor = vtkActor()
+        actor.SetMapper(mapper)
+        actor.SetScale(500.0)
+        actor.SetPosition(*numpy.add(self.volume.GetCenter(), numpy.multiply(40.0, plane.GetNormal())))
+
+        def render(samples):
+            window = vtkRenderWindow()
+            window.SetMultiSamples(samples)
+            window.SetAlphaBitPlanes(1)
+            window.OffScreenRenderingOn()
+            window.SetSize(WIDTH, HEIGHT)
+            if self.renderer.GetLayer() == 1:
+                window.SetNumberOfLayers(2)
+            window.AddRenderer(behind)
+            window.AddRenderer(self.renderer)
+            window.Render()
+            self.assertEqual(window.GetMultiSamples(), samples)
+            pixels = vtkUnsignedCharArray()
+            window.GetRGBACharPixelData(0, 0, WIDTH - 1, HEIGHT - 1, 0, pixels)
+            for each in behind, self.renderer:
+                window.RemoveRenderer(each)
+            return vtk_to_numpy(pixels).reshape(HEIGHT, WIDTH, 4).astype(int)
+
+        renderer = self.renderer
+        scenes = {
+            "black": lambda: None,
+            "color": lambda: renderer.SetBackground(0.2, 0.5, 0.9),
+            "half of the window": lambda: renderer.SetViewport(0.31, 0.0, 1.0, 0.83),
+            "alpha": lambda: renderer.SetBackgroundAlpha(0.4),
+            "gradient": lambda: (renderer.GradientBackgroundOn(), renderer.SetBackground2(0.0, 0.8, 0.1)),
+            "over another renderer": lambda: renderer.SetLayer(1),
+            "before a plane": lambda: (renderer.AddActor(actor), renderer.ResetCameraClippingRange())}
+        pictures = []
+        for name, change in scenes.items():
+            change()
+            picture = render(0)
+            self.assertLessEqual(abs(picture - render(4)).max(), 1, name)
+            self.volume.VisibilityOff()
+            changed = abs(picture - render(0)).max(axis=2) > 8
+            self.volume.VisibilityOn()
+            self.assertGreater(changed.sum(), 2000, name)
+            self.assertLess(changed.mean(), 0.6, name)
+            pictures.append(picture)
+        for one, other in itertools.combinations(pictures, 2):
+            self.assertGreater(abs(one - other).max(), 8)
 
     def test_few_pixels(self):
         """Windows of a few pixels, with rays that are farther or less far apart than these, and geometry."""
