@@ -334,6 +334,7 @@ PacketScene MakePacketScene(
   SetClipping(scene, p);
   SetLeaping(scene, settings, p);
   SetShading(scene, settings, classifier, p);
+
   p.Inner =
     p.Sampling == PacketSampling::Composite && !p.Intervals && !kind.Components && !p.Grid.Snaps;
   const bool isPair = p.KindOfComponents == ComponentKind::Independent && p.Volume.Components == 2;
