@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDImageDisplay.h"
 
+#include "vtkFFDFramebuffer.h"
+#include "vtkFFDPixelStorage.h"
 #include "vtkFFDVersions.h"
-
-#include "FFDPixelBytes.h"
 
 #include "vtkNew.h"
 #include "vtkOpenGLQuadHelper.h"
@@ -21,7 +21,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -120,47 +119,6 @@ Rectangle FindPart(const vtkFFDImageDisplay::Image& image)
   return part;
 }
 
-/// Forget errors of OpenGL from before. (Without a context there is no end of them.)
-void ClearErrors()
-{
-  for (int i = 0; i < 100 && glGetError() != GL_NO_ERROR; ++i)
-  {
-  }
-}
-
-/// A property of the depth or stencil attachment of the framebuffer that is read from.
-GLint GetAttachment(GLenum attachment, GLenum property)
-{
-  GLint value = 0;
-  glGetFramebufferAttachmentParameteriv(GL_READ_FRAMEBUFFER, attachment, property, &value);
-  return value;
-}
-
-/// The format of the depths of the framebuffer that is read from; 0 if it has none. Depths are
-/// copied between framebuffers only if their formats are the same.
-GLenum FindDepthFormat(bool ofWindow)
-{
-  const GLenum depth = ofWindow ? GL_DEPTH : GL_DEPTH_ATTACHMENT;
-  const GLenum stencil = ofWindow ? GL_STENCIL : GL_STENCIL_ATTACHMENT;
-  if (GetAttachment(depth, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) == GL_NONE)
-  {
-    return 0;
-  }
-  const GLint bits = GetAttachment(depth, GL_FRAMEBUFFER_ATTACHMENT_DEPTH_SIZE);
-  const bool floats = GetAttachment(depth, GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_FLOAT;
-  const bool withStencil =
-    GetAttachment(stencil, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) != GL_NONE &&
-    GetAttachment(stencil, GL_FRAMEBUFFER_ATTACHMENT_STENCIL_SIZE) > 0;
-  if (withStencil)
-  {
-    return floats ? GL_DEPTH32F_STENCIL8 : GL_DEPTH24_STENCIL8;
-  }
-  return floats  ? GL_DEPTH_COMPONENT32F
-    : bits <= 16 ? GL_DEPTH_COMPONENT16
-    : bits <= 24 ? GL_DEPTH_COMPONENT24
-                 : GL_DEPTH_COMPONENT32;
-}
-
 /// Keeps what is drawn from all but the first of the buffers of colors, as long as it lives: passes
 /// such as vtkSSAOPass have positions and normals of surfaces in others, for which the quad has no
 /// values.
@@ -195,190 +153,6 @@ private:
   std::array<std::array<GLboolean, 4>, 8> Masks{};
 };
 
-/// How OpenGL finds pixels in memory, for as long as it lives: rows of `width` pixels (0: those
-/// that are transferred) without gaps. Whoever else draws in the context may have left it
-/// otherwise, or have bound a buffer that pixels would go to.
-class PixelStorage
-{
-public:
-  enum Direction
-  {
-    Read,
-    Upload
-  };
-  explicit PixelStorage(Direction direction, GLint width = 0)
-    : Names(direction == Read ? ForReading : ForUploads)
-  {
-    for (std::size_t i = 0; i < this->Values.size(); ++i)
-    {
-      glGetIntegerv(this->Names.Parameters[i], &this->Values[i]);
-      glPixelStorei(this->Names.Parameters[i], i == 0 ? 1 : i == 1 ? width : 0);
-    }
-    glGetIntegerv(this->Names.Binding, &this->Buffer);
-    glBindBuffer(this->Names.Target, 0);
-  }
-  ~PixelStorage()
-  {
-    for (std::size_t i = 0; i < this->Values.size(); ++i)
-    {
-      glPixelStorei(this->Names.Parameters[i], this->Values[i]);
-    }
-    glBindBuffer(this->Names.Target, static_cast<GLuint>(this->Buffer));
-  }
-  PixelStorage(const PixelStorage&) = delete;
-  void operator=(const PixelStorage&) = delete;
-
-private:
-  struct NameSet
-  {
-    std::array<GLenum, 5> Parameters; ///< first the alignment and the width of rows
-    GLenum Target;
-    GLenum Binding;
-  };
-  static constexpr NameSet ForReading = { { GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH,
-                                            GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS,
-                                            GL_PACK_SWAP_BYTES },
-    GL_PIXEL_PACK_BUFFER, GL_PIXEL_PACK_BUFFER_BINDING };
-  static constexpr NameSet ForUploads = { { GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH,
-                                            GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS,
-                                            GL_UNPACK_SWAP_BYTES },
-    GL_PIXEL_UNPACK_BUFFER, GL_PIXEL_UNPACK_BUFFER_BINDING };
-
-  const NameSet& Names;
-  std::array<GLint, 5> Values{};
-  GLint Buffer = 0;
-};
-
-/// Makes depths of the buffer those of the viewing volume, where they are a part of 0 to 1 only.
-void UndoDepthRange(float* depths, std::size_t count)
-{
-  GLfloat range[2] = { 0.0f, 1.0f };
-  glGetFloatv(GL_DEPTH_RANGE, range);
-  if ((range[0] == 0.0f && range[1] == 1.0f) || range[0] == range[1])
-  {
-    return;
-  }
-  std::transform(depths, depths + count, depths, [&range](float depth) {
-    return std::clamp((depth - range[0]) / (range[1] - range[0]), 0.0f, 1.0f);
-  });
-}
-
-/// A framebuffer with one sample for each pixel of a rectangle of the one that is read from.
-class ResolvedDepths
-{
-public:
-  ResolvedDepths(GLenum format, const int rectangle[4])
-  {
-    GLint drawn = 0;
-    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn);
-    glGenFramebuffers(1, &this->Framebuffer);
-    glGenRenderbuffers(1, &this->Depths);
-    glBindRenderbuffer(GL_RENDERBUFFER, this->Depths);
-    glRenderbufferStorage(GL_RENDERBUFFER, format, rectangle[2], rectangle[3]);
-    glBindRenderbuffer(GL_RENDERBUFFER, 0);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, this->Framebuffer);
-    const bool withStencil = format == GL_DEPTH24_STENCIL8 || format == GL_DEPTH32F_STENCIL8;
-    glFramebufferRenderbuffer(GL_DRAW_FRAMEBUFFER,
-      withStencil ? GL_DEPTH_STENCIL_ATTACHMENT : GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
-      this->Depths);
-    const GLenum noColors = GL_NONE;
-    glDrawBuffers(1, &noColors);
-    const bool scissor = glIsEnabled(GL_SCISSOR_TEST) == GL_TRUE;
-    glDisable(GL_SCISSOR_TEST);
-    glBlitFramebuffer(rectangle[0], rectangle[1], rectangle[0] + rectangle[2],
-      rectangle[1] + rectangle[3], 0, 0, rectangle[2], rectangle[3], GL_DEPTH_BUFFER_BIT,
-      GL_NEAREST);
-    if (scissor)
-    {
-      glEnable(GL_SCISSOR_TEST);
-    }
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(drawn));
-  }
-  ~ResolvedDepths()
-  {
-    glDeleteFramebuffers(1, &this->Framebuffer);
-    glDeleteRenderbuffers(1, &this->Depths);
-  }
-  ResolvedDepths(const ResolvedDepths&) = delete;
-  void operator=(const ResolvedDepths&) = delete;
-
-  void Read(const int size[2], float* depths) const
-  {
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, this->Framebuffer);
-    glReadBuffer(GL_NONE);
-    glReadPixels(0, 0, size[0], size[1], GL_DEPTH_COMPONENT, GL_FLOAT, depths);
-  }
-
-private:
-  GLuint Framebuffer = 0;
-  GLuint Depths = 0;
-};
-
-/// Whether OpenGL is a rasterizer on the CPU, of Mesa: there a quad takes longer than to blend in
-/// memory.
-bool IsSoftware()
-{
-  const auto* const name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  return name && (std::strstr(name, "llvmpipe") || std::strstr(name, "softpipe"));
-}
-
-/// The texture of bytes that all is drawn into as it is, with a sample a pixel, so that pixels of a
-/// rectangle may be put there without being drawn; 0 if it is another kind of framebuffer.
-GLuint FindDrawnTexture(const int rectangle[4])
-{
-  GLint samples = 0;
-  GLint buffers[2] = { GL_NONE, GL_NONE };
-  GLint scissor[4] = { 0, 0, 0, 0 };
-  GLboolean mask[4] = { GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE };
-  glGetIntegerv(GL_SAMPLES, &samples);
-  glGetIntegerv(GL_DRAW_BUFFER0, &buffers[0]);
-  glGetIntegerv(GL_DRAW_BUFFER1, &buffers[1]);
-  glGetIntegerv(GL_SCISSOR_BOX, scissor);
-  glGetBooleanv(GL_COLOR_WRITEMASK, mask);
-  bool plain = samples == 0 && buffers[1] == GL_NONE && !glIsEnabled(GL_STENCIL_TEST) &&
-    std::all_of(mask, mask + 4, [](GLboolean writes) { return writes == GL_TRUE; });
-  for (int a = 0; a < 2 && glIsEnabled(GL_SCISSOR_TEST); ++a)
-  {
-    plain = plain && rectangle[a] >= scissor[a] &&
-      rectangle[a] + rectangle[2 + a] <= scissor[a] + scissor[2 + a];
-  }
-  if (!plain || buffers[0] == GL_NONE)
-  {
-    return 0;
-  }
-  const auto find = [buffer = static_cast<GLenum>(buffers[0])](GLenum property) {
-    GLint value = 0;
-    glGetFramebufferAttachmentParameteriv(GL_DRAW_FRAMEBUFFER, buffer, property, &value);
-    return value;
-  };
-  return find(GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) == GL_TEXTURE &&
-      find(GL_FRAMEBUFFER_ATTACHMENT_TEXTURE_LEVEL) == 0 && glGetError() == GL_NO_ERROR
-    ? static_cast<GLuint>(find(GL_FRAMEBUFFER_ATTACHMENT_OBJECT_NAME))
-    : 0;
-}
-
-/// Reads RGBA of a rectangle of pixels from the first buffer that is drawn into.
-void ReadDrawn(const int rectangle[4], unsigned char* pixels)
-{
-  GLint drawn = 0;
-  GLint read = 0;
-  GLint buffer = GL_NONE;
-  GLint before = GL_NONE;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn);
-  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(drawn));
-  glGetIntegerv(GL_DRAW_BUFFER0, &buffer);
-  glGetIntegerv(GL_READ_BUFFER, &before);
-  glReadBuffer(static_cast<GLenum>(buffer));
-  {
-    const PixelStorage storage(PixelStorage::Read);
-    glReadPixels(
-      rectangle[0], rectangle[1], rectangle[2], rectangle[3], GL_RGBA, GL_UNSIGNED_BYTE, pixels);
-  }
-  glReadBuffer(static_cast<GLenum>(before));
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read));
-}
-
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -390,7 +164,7 @@ struct vtkFFDImageDisplay::Resources
   vtkNew<vtkTextureObject> PixelDepths;
   std::unique_ptr<vtkOpenGLQuadHelper> Quad;
   std::unique_ptr<vtkOpenGLQuadHelper> LayerQuad;
-  std::vector<unsigned char> Blended;
+  std::vector<unsigned char> Blended; ///< memory of vtkFFDFramebuffer::BlendPixels()
   vtkWeakPointer<vtkOpenGLRenderWindow> Window;
 
   /// Fill a texture with a rectangle of an image of `components` numbers a pixel.
@@ -403,7 +177,7 @@ struct vtkFFDImageDisplay::Resources
     const auto columns = static_cast<unsigned int>(rectangle.Width());
     const auto rows = static_cast<unsigned int>(rectangle.Height());
     texture->SetContext(this->Window);
-    const PixelStorage storage(PixelStorage::Upload, width);
+    const vtkFFDPixelStorage storage(vtkFFDPixelStorage::Upload, width);
     if (texture->GetHandle() == 0 || texture->GetWidth() != columns ||
       texture->GetHeight() != rows || texture->GetVTKDataType() != Type)
     {
@@ -424,47 +198,6 @@ struct vtkFFDImageDisplay::Resources
     texture->SetMinificationFilter(filter);
     texture->SetMagnificationFilter(filter);
     return true;
-  }
-
-  /// Puts a part of an image of bytes, pixel by pixel, over what is drawn already, without drawing
-  /// it. `rectangle`: as for Draw(), `viewport`: FindViewport(). False where that is not possible.
-  bool Blend(
-    const Image& image, const Rectangle& part, const double rectangle[4], const int viewport[4])
-  {
-    int pixels[4] = { 0, 0, part.Width(), part.Height() };
-    for (int a = 0; a < 2; ++a)
-    {
-      const double corner = 0.5 * (rectangle[a] + 1.0) * viewport[2 + a];
-      pixels[a] = viewport[a] + static_cast<int>(std::lround(corner)) + part.Low[a];
-    }
-    const GLuint texture = FindDrawnTexture(pixels);
-    if (texture == 0)
-    {
-      return false;
-    }
-    const std::size_t width = static_cast<std::size_t>(part.Width());
-    this->Blended.resize(4 * width * static_cast<std::size_t>(part.Height()));
-    ReadDrawn(pixels, this->Blended.data());
-    unsigned char* below = this->Blended.data();
-    for (int y = part.Low[1]; y < part.High[1]; ++y, below += 4 * width)
-    {
-      const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y) * image.Width + part.Low[0];
-      ffd::BlendPixelBytes(image.Bytes + 4 * first, width, below);
-    }
-    const PixelStorage storage(PixelStorage::Upload);
-    GLint bound = 0;
-    glGetIntegerv(GL_TEXTURE_BINDING_2D, &bound);
-    glBindTexture(GL_TEXTURE_2D, texture);
-    // Else it is one of another kind, and what is bound is another texture.
-    bool done = glGetError() == GL_NO_ERROR;
-    if (done)
-    {
-      glTexSubImage2D(GL_TEXTURE_2D, 0, pixels[0], pixels[1], pixels[2], pixels[3], GL_RGBA,
-        GL_UNSIGNED_BYTE, this->Blended.data());
-      done = glGetError() == GL_NO_ERROR;
-    }
-    glBindTexture(GL_TEXTURE_2D, static_cast<GLuint>(bound));
-    return done;
   }
 
   /// The program of a quad, made if need be and ready; null if it does not compile.
@@ -516,14 +249,19 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
   {
     return true;
   }
-  if (pixelByPixel && image.Bytes && !layers.Colors && IsSoftware())
+  if (pixelByPixel && image.Bytes && !layers.Colors)
   {
     int viewport[4];
-    FindViewport(renderer, viewport);
-    ClearErrors();
-    const bool blended = gl.Blend(image, part, rectangle, viewport);
-    ClearErrors();
-    if (blended)
+    vtkFFDFramebuffer::FindViewport(renderer, viewport);
+    int pixels[4] = { 0, 0, part.Width(), part.Height() };
+    for (int a = 0; a < 2; ++a)
+    {
+      const double corner = 0.5 * (rectangle[a] + 1.0) * viewport[2 + a];
+      pixels[a] = viewport[a] + static_cast<int>(std::lround(corner)) + part.Low[a];
+    }
+    const std::ptrdiff_t first =
+      static_cast<std::ptrdiff_t>(image.Width) * part.Low[1] + part.Low[0];
+    if (vtkFFDFramebuffer::BlendPixels(pixels, image.Bytes + 4 * first, image.Width, gl.Blended))
     {
       return true;
     }
@@ -594,98 +332,6 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
     texture.second->Deactivate();
   }
   return true;
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDImageDisplay::Flush(vtkRenderer* renderer)
-{
-  if (vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow()))
-  {
-    glFlush();
-  }
-}
-
-//------------------------------------------------------------------------------
-/// Not to those of sRGB: these are not equally far apart.
-bool vtkFFDImageDisplay::DrawsBytes(vtkRenderer* renderer)
-{
-  if (!vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow()))
-  {
-    return false;
-  }
-  GLint buffer = GL_NONE;
-  glGetIntegerv(GL_DRAW_BUFFER, &buffer);
-  // Of windows only the left and right ones have properties.
-  const GLint attachment = buffer == GL_BACK ? GL_BACK_LEFT
-    : buffer == GL_FRONT                     ? GL_FRONT_LEFT
-                                             : buffer;
-  if (attachment == GL_NONE)
-  {
-    return false;
-  }
-  ClearErrors();
-  const auto find = [attachment](GLenum property) {
-    GLint value = 0;
-    glGetFramebufferAttachmentParameteriv(
-      GL_DRAW_FRAMEBUFFER, static_cast<GLenum>(attachment), property, &value);
-    return value;
-  };
-  const bool bytes = find(GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE) == 8 &&
-    find(GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_UNSIGNED_NORMALIZED &&
-    (find(GL_FRAMEBUFFER_ATTACHMENT_COLOR_ENCODING) != GL_SRGB ||
-      glIsEnabled(GL_FRAMEBUFFER_SRGB) != GL_TRUE);
-  return glGetError() == GL_NO_ERROR && bytes;
-}
-
-//------------------------------------------------------------------------------
-void vtkFFDImageDisplay::FindViewport(vtkRenderer* renderer, int viewport[4])
-{
-  if (auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow()))
-  {
-    window->GetState()->vtkglGetIntegerv(GL_VIEWPORT, viewport);
-    return;
-  }
-  renderer->GetTiledSizeAndOrigin(&viewport[2], &viewport[3], &viewport[0], &viewport[1]);
-}
-
-//------------------------------------------------------------------------------
-bool vtkFFDImageDisplay::ReadDepths(vtkRenderer* renderer, const int rectangle[4], float* depths)
-{
-  auto* window = vtkOpenGLRenderWindow::SafeDownCast(renderer->GetRenderWindow());
-  if (!window)
-  {
-    return false;
-  }
-  // Not through vtkOpenGLState, which knows what it has bound: it is bound again in the end.
-  GLint drawn = 0;
-  GLint read = 0;
-  GLint samples = 0;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn);
-  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read);
-  glGetIntegerv(GL_SAMPLES, &samples);
-  ClearErrors();
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(drawn));
-  const GLenum format = FindDepthFormat(drawn == 0);
-  bool ok = format != 0;
-  if (ok)
-  {
-    const PixelStorage storage(PixelStorage::Read);
-    if (samples > 0)
-    {
-      ResolvedDepths(format, rectangle).Read(rectangle + 2, depths);
-    }
-    else
-    {
-      glReadPixels(rectangle[0], rectangle[1], rectangle[2], rectangle[3], GL_DEPTH_COMPONENT,
-        GL_FLOAT, depths);
-    }
-    ok = glGetError() == GL_NO_ERROR;
-    UndoDepthRange(
-      depths, static_cast<std::size_t>(rectangle[2]) * static_cast<std::size_t>(rectangle[3]));
-  }
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read));
-  ClearErrors();
-  return ok;
 }
 
 //------------------------------------------------------------------------------

@@ -54,35 +54,15 @@ public:
     int Viewport[2] = { 1, 1 };         ///< pixels of the viewport
   };
 
-  /// Whether what is drawn now would be rounded to bytes: then an image may consist of these.
-  static bool DrawsBytes(vtkRenderer* renderer);
-
-  /// Lets OpenGL begin with what it was asked for, while rays are cast.
-  static void Flush(vtkRenderer* renderer);
-
   /**
    * Draw an image and its layers over the rectangle (xmin, ymin, xmax, ymax) of the viewport, in
    * normalized device coordinates. With layers the image is one of floats. `pixelByPixel`: each
-   * pixel of the image lies on one of the window; where OpenGL is Mesa's rasterizer an image of
-   * bytes is then blended in memory, which takes less time than to draw it. Returns false when the
-   * window of the renderer is not an OpenGL one or refuses the texture.
+   * pixel of the image lies on one of the window; an image of bytes is then blended
+   * without being drawn, where that takes less time. Returns false when the window of the renderer
+   * is not an OpenGL one or refuses the texture.
    */
   bool Draw(vtkRenderer* renderer, const Image& image, const Layers& layers,
     const double rectangle[4], bool pixelByPixel);
-
-  /**
-   * The rectangle (x, y, width, height) of the framebuffer that the renderer draws into now: that
-   * of a render pass, which may be larger than the window, or the part of the window that is the
-   * renderer's. Empty without a window.
-   */
-  static void FindViewport(vtkRenderer* renderer, int viewport[4]);
-
-  /**
-   * The depths, 0 to 1, of a rectangle (x, y, width, height) of that framebuffer, one a pixel, rows
-   * bottom up; of several samples a pixel one is taken. Returns false, and leaves `depths` as they
-   * are, where the framebuffer has no depth that can be read.
-   */
-  static bool ReadDepths(vtkRenderer* renderer, const int rectangle[4], float* depths);
 
   void ReleaseGraphicsResources(vtkWindow* window);
 

@@ -4,6 +4,7 @@
 // points.
 #include "vtkFFDInverseRayVolumeMapperInternals.h"
 
+#include "vtkFFDFramebuffer.h"
 #include "vtkFFDFrameOutput.h"
 #include "vtkFFDFrameScene.h"
 #include "vtkFFDGuard.h"
@@ -393,7 +394,7 @@ const float* vtkFFDInverseRayVolumeMapper::vtkInternals::FindDepths(vtkRenderer*
     pixels.y };
   std::vector<float>& all = this->Caster.GetWindowDepths();
   all.resize(static_cast<std::size_t>(pixels.x) * static_cast<std::size_t>(pixels.y));
-  const bool read = vtkFFDImageDisplay::ReadDepths(renderer, rectangle, all.data());
+  const bool read = vtkFFDFramebuffer::ReadDepths(renderer, rectangle, all.data());
   // A depth buffer without opaque geometry stops no ray.
   if (!read || std::none_of(all.begin(), all.end(), [](float depth) { return depth < 1.0f; }))
   {
@@ -425,7 +426,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
 
   // A render pass may draw into a framebuffer of its own, but surfaces keep the aspect ratio.
   int viewport[4];
-  vtkFFDImageDisplay::FindViewport(renderer, viewport);
+  vtkFFDFramebuffer::FindViewport(renderer, viewport);
   if (viewport[2] < 1 || viewport[3] < 1)
   {
     return;
@@ -487,11 +488,11 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   const bool layered = shown && depths && region.Step > 1.0;
   if (shown && !layered)
   {
-    cast.AsBytes = [renderer] { return vtkFFDImageDisplay::DrawsBytes(renderer); };
+    cast.AsBytes = [renderer] { return vtkFFDFramebuffer::DrawsBytes(renderer); };
   }
   if (shown)
   {
-    vtkFFDImageDisplay::Flush(renderer);
+    vtkFFDFramebuffer::Flush(renderer);
   }
   const bool done = in.Caster.Cast(frame, cast, depths, visibleDepths);
   vtkFFDImageDisplay::Layers layers;
