@@ -27,18 +27,41 @@ void ClearErrors()
   }
 }
 
-/// A property of the depth or stencil attachment of the framebuffer that is read from.
+/// A property of an attachment of the framebuffer that is drawn into.
 GLint GetAttachment(GLenum attachment, GLenum property)
 {
   GLint value = 0;
-  glGetFramebufferAttachmentParameteriv(GL_READ_FRAMEBUFFER, attachment, property, &value);
+  glGetFramebufferAttachmentParameteriv(GL_DRAW_FRAMEBUFFER, attachment, property, &value);
   return value;
 }
 
-/// The format of the depths of the framebuffer that is read from; 0 if it has none. Depths are
-/// copied between framebuffers only if their formats are the same.
-GLenum FindDepthFormat(bool ofWindow)
+/// Has OpenGL read from the framebuffer that is drawn into, for as long as it lives. Not through
+/// vtkOpenGLState, which knows what it has bound: it is bound again in the end.
+class ReadsDrawn
 {
+public:
+  ReadsDrawn()
+  {
+    GLint drawn = 0;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn);
+    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &this->Before);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(drawn));
+  }
+  ~ReadsDrawn() { glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(this->Before)); }
+  ReadsDrawn(const ReadsDrawn&) = delete;
+  void operator=(const ReadsDrawn&) = delete;
+
+private:
+  GLint Before = 0;
+};
+
+/// The format of the depths of the framebuffer that is drawn into; 0 if it has none. Depths are
+/// copied between framebuffers only if their formats are the same.
+GLenum FindDepthFormat()
+{
+  GLint drawn = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn);
+  const bool ofWindow = drawn == 0;
   const GLenum depth = ofWindow ? GL_DEPTH : GL_DEPTH_ATTACHMENT;
   const GLenum stencil = ofWindow ? GL_STENCIL : GL_STENCIL_ATTACHMENT;
   if (GetAttachment(depth, GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) == GL_NONE)
@@ -148,20 +171,20 @@ GLuint FindDrawnTexture(const int rectangle[4])
   glGetBooleanv(GL_COLOR_WRITEMASK, mask);
   bool plain = samples == 0 && buffers[1] == GL_NONE && !glIsEnabled(GL_STENCIL_TEST) &&
     std::all_of(mask, mask + 4, [](GLboolean writes) { return writes == GL_TRUE; });
-  for (int a = 0; a < 2 && glIsEnabled(GL_SCISSOR_TEST); ++a)
+  const bool all = !glIsEnabled(GL_SCISSOR_TEST);
+  for (int a = 0; a < 2; ++a)
   {
-    plain = plain && rectangle[a] >= scissor[a] &&
-      rectangle[a] + rectangle[2 + a] <= scissor[a] + scissor[2 + a];
+    plain = plain &&
+      (all ||
+        (rectangle[a] >= scissor[a] &&
+          rectangle[a] + rectangle[2 + a] <= scissor[a] + scissor[2 + a]));
   }
   if (!plain || buffers[0] == GL_NONE)
   {
     return 0;
   }
-  const auto find = [buffer = static_cast<GLenum>(buffers[0])](GLenum property) {
-    GLint value = 0;
-    glGetFramebufferAttachmentParameteriv(GL_DRAW_FRAMEBUFFER, buffer, property, &value);
-    return value;
-  };
+  const auto find = [buffer = static_cast<GLenum>(buffers[0])](
+                      GLenum property) { return GetAttachment(buffer, property); };
   return find(GL_FRAMEBUFFER_ATTACHMENT_OBJECT_TYPE) == GL_TEXTURE &&
       find(GL_FRAMEBUFFER_ATTACHMENT_TEXTURE_LEVEL) == 0 && glGetError() == GL_NO_ERROR
     ? static_cast<GLuint>(find(GL_FRAMEBUFFER_ATTACHMENT_OBJECT_NAME))
@@ -171,13 +194,9 @@ GLuint FindDrawnTexture(const int rectangle[4])
 /// Reads RGBA of a rectangle of pixels from the first buffer that is drawn into.
 void ReadDrawn(const int rectangle[4], unsigned char* pixels)
 {
-  GLint drawn = 0;
-  GLint read = 0;
+  const ReadsDrawn reads;
   GLint buffer = GL_NONE;
   GLint before = GL_NONE;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn);
-  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(drawn));
   glGetIntegerv(GL_DRAW_BUFFER0, &buffer);
   glGetIntegerv(GL_READ_BUFFER, &before);
   glReadBuffer(static_cast<GLenum>(buffer));
@@ -187,7 +206,6 @@ void ReadDrawn(const int rectangle[4], unsigned char* pixels)
       rectangle[0], rectangle[1], rectangle[2], rectangle[3], GL_RGBA, GL_UNSIGNED_BYTE, pixels);
   }
   glReadBuffer(static_cast<GLenum>(before));
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read));
 }
 
 } // namespace
@@ -220,12 +238,8 @@ bool vtkFFDFramebuffer::DrawsBytes(vtkRenderer* renderer)
     return false;
   }
   ClearErrors();
-  const auto find = [attachment](GLenum property) {
-    GLint value = 0;
-    glGetFramebufferAttachmentParameteriv(
-      GL_DRAW_FRAMEBUFFER, static_cast<GLenum>(attachment), property, &value);
-    return value;
-  };
+  const auto find = [attachment = static_cast<GLenum>(attachment)](
+                      GLenum property) { return GetAttachment(attachment, property); };
   const bool bytes = find(GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE) == 8 &&
     find(GL_FRAMEBUFFER_ATTACHMENT_COMPONENT_TYPE) == GL_UNSIGNED_NORMALIZED &&
     (find(GL_FRAMEBUFFER_ATTACHMENT_COLOR_ENCODING) != GL_SRGB ||
@@ -252,19 +266,14 @@ bool vtkFFDFramebuffer::ReadDepths(vtkRenderer* renderer, const int rectangle[4]
   {
     return false;
   }
-  // Not through vtkOpenGLState, which knows what it has bound: it is bound again in the end.
-  GLint drawn = 0;
-  GLint read = 0;
   GLint samples = 0;
-  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn);
-  glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read);
   glGetIntegerv(GL_SAMPLES, &samples);
   ClearErrors();
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(drawn));
-  const GLenum format = FindDepthFormat(drawn == 0);
+  const GLenum format = FindDepthFormat();
   bool ok = format != 0;
   if (ok)
   {
+    const ReadsDrawn reads;
     const vtkFFDPixelStorage storage(vtkFFDPixelStorage::Read);
     if (samples > 0)
     {
@@ -279,7 +288,6 @@ bool vtkFFDFramebuffer::ReadDepths(vtkRenderer* renderer, const int rectangle[4]
     UndoDepthRange(
       depths, static_cast<std::size_t>(rectangle[2]) * static_cast<std::size_t>(rectangle[3]));
   }
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read));
   ClearErrors();
   return ok;
 }

@@ -101,6 +101,11 @@ struct Rectangle
   int High[2];
   int Width() const { return this->High[0] - this->Low[0]; }
   int Height() const { return this->High[1] - this->Low[1]; }
+  /// The number of its first pixel in rows of `width`.
+  std::ptrdiff_t FirstPixel(int width) const
+  {
+    return static_cast<std::ptrdiff_t>(width) * this->Low[1] + this->Low[0];
+  }
 };
 
 /// What is visible of an image, with a pixel around it to be interpolated to; empty if nothing is.
@@ -188,11 +193,9 @@ struct vtkFFDImageDisplay::Resources
       }
     }
     texture->Bind();
-    const std::ptrdiff_t first =
-      static_cast<std::ptrdiff_t>(width) * rectangle.Low[1] + rectangle.Low[0];
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, rectangle.Width(), rectangle.Height(),
       texture->GetFormat(Type, components, false), AreFloats ? GL_FLOAT : GL_UNSIGNED_BYTE,
-      image + components * first);
+      image + components * rectangle.FirstPixel(width));
     texture->SetWrapS(vtkTextureObject::ClampToEdge);
     texture->SetWrapT(vtkTextureObject::ClampToEdge);
     texture->SetMinificationFilter(filter);
@@ -259,9 +262,8 @@ bool vtkFFDImageDisplay::Draw(vtkRenderer* renderer, const Image& image, const L
       const double corner = 0.5 * (rectangle[a] + 1.0) * viewport[2 + a];
       pixels[a] = viewport[a] + static_cast<int>(std::lround(corner)) + part.Low[a];
     }
-    const std::ptrdiff_t first =
-      static_cast<std::ptrdiff_t>(image.Width) * part.Low[1] + part.Low[0];
-    if (vtkFFDFramebuffer::BlendPixels(pixels, image.Bytes + 4 * first, image.Width, gl.Blended))
+    const unsigned char* const first = image.Bytes + 4 * part.FirstPixel(image.Width);
+    if (vtkFFDFramebuffer::BlendPixels(pixels, first, image.Width, gl.Blended))
     {
       return true;
     }
@@ -349,5 +351,6 @@ void vtkFFDImageDisplay::ReleaseGraphicsResources(vtkWindow* window)
   this->Gl->NearTexture->ReleaseGraphicsResources(window);
   this->Gl->RayDepths->ReleaseGraphicsResources(window);
   this->Gl->PixelDepths->ReleaseGraphicsResources(window);
+  std::vector<unsigned char>().swap(this->Gl->Blended);
   this->Gl->Window = nullptr;
 }

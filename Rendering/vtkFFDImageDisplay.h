@@ -57,9 +57,9 @@ public:
   /**
    * Draw an image and its layers over the rectangle (xmin, ymin, xmax, ymax) of the viewport, in
    * normalized device coordinates. With layers the image is one of floats. `pixelByPixel`: each
-   * pixel of the image lies on one of the window; an image of bytes is then blended
-   * without being drawn, where that takes less time. Returns false when the window of the renderer
-   * is not an OpenGL one or refuses the texture.
+   * pixel of the image lies on one of the window; an image of bytes is then blended without being
+   * drawn, where that takes less time. Returns false when the window of the renderer is not an
+   * OpenGL one or refuses the texture.
    */
   bool Draw(vtkRenderer* renderer, const Image& image, const Layers& layers,
     const double rectangle[4], bool pixelByPixel);

@@ -95,30 +95,6 @@ inline glm::dvec3 FindLargest(const Grid<glm::dvec3>& values)
   return largest;
 }
 
-/// The largest absolute value of second differences along an axis, of each coordinate.
-inline glm::dvec3 FindLargestBend(const Grid<glm::dvec3>& nodes, int axis)
-{
-  glm::ivec3 next(0);
-  next[axis] = 1;
-  const std::size_t step = GridIndex(next.x, next.y, next.z, nodes.Size);
-  const glm::ivec3 end = nodes.Size - 2 * next;
-  glm::dvec3 largest(0.0);
-  for (int k = 0; k < end.z; ++k)
-  {
-    for (int j = 0; j < end.y; ++j)
-    {
-      const glm::dvec3* const row = &nodes.At(0, j, k);
-      for (int i = 0; i < end.x; ++i)
-      {
-        const glm::dvec3* const node = row + i;
-        largest =
-          glm::max(largest, glm::abs((node[2 * step] - node[step]) - (node[step] - node[0])));
-      }
-    }
-  }
-  return largest;
-}
-
 /// The largest difference of a cubic B-spline from what is interpolated linearly, axis by axis,
 /// between points `step` cells apart. `nodes`: the coefficients.
 inline glm::dvec3 FindBulge(const Grid<glm::dvec3>& nodes, const glm::dvec3& step)
@@ -126,7 +102,7 @@ inline glm::dvec3 FindBulge(const Grid<glm::dvec3>& nodes, const glm::dvec3& ste
   glm::dvec3 bulge(0.0);
   for (int a = 0; a < 3; ++a)
   {
-    bulge += FindLargestBend(nodes, a) * (step[a] * step[a] / 8.0);
+    bulge += FindLargest(FindDifferences(FindDifferences(nodes, a), a)) * (step[a] * step[a] / 8.0);
   }
   return bulge;
 }

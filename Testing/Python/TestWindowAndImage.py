@@ -151,8 +151,7 @@ class TestWindowAndImage(unittest.TestCase):
             window.SetAlphaBitPlanes(1)
             window.OffScreenRenderingOn()
             window.SetSize(WIDTH, HEIGHT)
-            if self.renderer.GetLayer() == 1:
-                window.SetNumberOfLayers(2)
+            window.SetNumberOfLayers(2)
             window.AddRenderer(behind)
             window.AddRenderer(self.renderer)
             window.Render()
