@@ -153,6 +153,39 @@ class TestFaces(unittest.TestCase):
             scene.mapper.SetSampleDistance(0.05)
             self.assert_lit(scene, f"cells {cells}, nearest {nearest}")
 
+    def test_components_in_narrow_views(self):
+        # Rays close to each other need few rows of voxels, beside each face other ones.
+        size = 24
+        random = np.random.default_rng(7)
+        for components, scalars in itertools.product((2, 4), (np.uint8, np.uint16, np.float64)):
+            values = random.integers(0, 256, (size ** 3, components)).astype(scalars)
+            image = vtkImageData()
+            image.SetDimensions(size, size, size)
+            image.GetPointData().SetScalars(numpy_to_vtk(values, 1))
+            for axis, sign, last in itertools.product(range(3), (-1, 1), (False, True)):
+                scene = Scene(image)
+                scene.property.IndependentComponentsOff()
+                scene.property.ShadeOn()
+                scene.set_opacity(0.0)
+                scene.property.GetScalarOpacity().AddPoint(255, 0.3)
+                scene.look_along(axis, sign)
+                middle = [size - 3.0 if last else 2.0] * 3
+                middle[axis] = 0.5 * (size - 1)
+                position = list(middle)
+                position[axis] -= 1e4 * sign
+                camera = scene.renderer.GetActiveCamera()
+                camera.SetFocalPoint(middle)
+                camera.SetPosition(position)
+                camera.SetParallelScale(3.5)
+                camera.Azimuth(0.1)
+                scene.renderer.ResetCameraClippingRange()
+                fast = scene.render()
+                self.assertGreater(np.mean(fast[..., 3] > 0), 0.5)
+                scene.mapper.ReferenceKernelsOn()
+                error = np.abs(fast - scene.render())
+                self.assertLess(error.mean(), 0.02, f"{components}, {scalars}, {axis}, {sign}")
+                self.assertLessEqual(error.max(), 2)
+
     def test_gradient_opacity_of_three_slices(self):
         values = linear((0.0, 0.0, 3.0), 5.0, (12, 12, 3))
         # Of the gradient magnitudes those up to a quarter of the range of the scalars count.

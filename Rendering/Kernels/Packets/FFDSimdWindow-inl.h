@@ -178,9 +178,10 @@ public:
     const int layers = this->Fit == WindowFit::Two ? 2
       : this->Fit == WindowFit::Three              ? 3
                                                    : LargestDepth;
+    const int lastRow = this->Volume.Components > 1 ? this->FindRows(width) : RowsAlongY - 1;
     // The last corner from which all slabs lie in the volume.
     this->LastCorner = _mm_setr_epi32(this->Volume.Dimensions[0] - Side + 1,
-      this->Volume.Dimensions[1] - RowsAlongY + 1, this->Volume.Dimensions[2] - layers - 2, 0);
+      this->Volume.Dimensions[1] - lastRow, this->Volume.Dimensions[2] - layers - 2, 0);
     this->ToNextSlab = this->FindNextSlab(layers);
   }
 
@@ -213,6 +214,8 @@ public:
 private:
   template <class, WindowFit, bool, int>
   friend class WindowRows;
+  template <class, bool, int>
+  friend class WindowAddresses;
 
   using D4 = hn::CappedTag<float, 4>;
   using V4 = hn::Vec<D4>;
@@ -328,6 +331,21 @@ private:
     return _mm_setr_ps(find(0), find(1), find(2), 0.0f);
   }
 
+  /// Finds the rows along y that gradients at positions may need that extend over `width`; returns
+  /// the last one.
+  HWY_INLINE int FindRows(__m128 width)
+  {
+    // One is before the first cell, two are behind the last one.
+    const __m128 last =
+      _mm_min_ps(_mm_add_ps(_mm_ceil_ps(width), _mm_set1_ps(3.0f)), _mm_set1_ps(RowsAlongY - 1));
+    const int lastAlongY = std::max(4, _mm_extract_epi32(_mm_cvttps_epi32(last), 1));
+    const __m512i rows =
+      _mm512_min_epi64(_mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7), _mm512_set1_epi64(lastAlongY));
+    _mm512_store_si512(
+      this->ToRows, _mm512_mullo_epi64(rows, _mm512_set1_epi64(this->Volume.IncrementY)));
+    return lastAlongY;
+  }
+
   /// A bound, voxels, of the ranges of voxel coordinates of positions that extend over `width`,
   /// index units, from those of Lowest on.
   HWY_NOINLINE __m128 FindWidest(__m128 width) const
@@ -381,6 +399,9 @@ private:
   V4 Lowest[TileLayers]; ///< terms of the curve that no position is below
   __m128i LastCorner;
   std::ptrdiff_t ToNextSlab;
+  /// Of several components: elements from the first row along y to each one. The last one that may
+  /// be needed stands for those behind it, whose lines of the cache would come from memory.
+  HWY_ALIGN std::int64_t ToRows[8];
   __m128i Corner; ///< first cell along each axis
 };
 #else

@@ -31,28 +31,31 @@ namespace HWY_NAMESPACE
 
 #if FFD_HAS_VOXEL_WINDOWS
 /// Where the rows of a window are, all voxels of which exist.
-template <class T, bool AtFaces>
+template <class T, bool AtFaces, int Components>
 class WindowAddresses
 {
 public:
-  HWY_INLINE WindowAddresses(const PacketVolume& v, int x, int y, int z)
-    : StepY(v.IncrementY)
-    , StepZ(v.IncrementZ)
-    , First(static_cast<const T*>(v.Scalars) + (z - 1) * this->StepZ + (y - 1) * this->StepY +
-        (x - 1) * std::ptrdiff_t{ v.Components })
+  HWY_INLINE WindowAddresses(const VoxelWindow<T>& window, int x, int y, int z)
+    : ToRows(window.ToRows)
+    , StepY(window.Volume.IncrementY)
+    , StepZ(window.Volume.IncrementZ)
+    , First(static_cast<const T*>(window.Volume.Scalars) + (z - 1) * this->StepZ +
+        (y - 1) * this->StepY + (x - 1) * std::ptrdiff_t{ window.Volume.Components })
     , FirstX(x - 1)
   {
   }
 
   HWY_INLINE const T* Get(int slab, int row) const
   {
-    return this->First + slab * this->StepZ + row * this->StepY;
+    return this->First + slab * this->StepZ +
+      (Components > 1 ? std::ptrdiff_t{ this->ToRows[row] } : row * this->StepY);
   }
 
   /// The first voxel along x.
   HWY_INLINE int GetFirstX() const { return this->FirstX; }
 
 private:
+  const std::int64_t* ToRows; ///< VoxelWindow::ToRows
   std::ptrdiff_t StepY;
   std::ptrdiff_t StepZ;
   const T* First;
@@ -61,13 +64,14 @@ private:
 
 /// The same at the faces of the volume, where the outermost voxels are repeated; along x rows begin
 /// where eight voxels exist.
-template <class T>
-class WindowAddresses<T, true>
+template <class T, int Components>
+class WindowAddresses<T, true, Components>
 {
 public:
-  HWY_INLINE WindowAddresses(const PacketVolume& v, int x, int y, int z)
-    : FirstX(std::clamp(x - 1, 0, v.Dimensions[0] - 8))
+  HWY_INLINE WindowAddresses(const VoxelWindow<T>& window, int x, int y, int z)
+    : FirstX(std::clamp(x - 1, 0, window.Volume.Dimensions[0] - 8))
   {
+    const PacketVolume& v = window.Volume;
     const T* const first =
       static_cast<const T*>(v.Scalars) + this->FirstX * std::ptrdiff_t{ v.Components };
     for (int k = 0; k < 8; ++k)
@@ -147,7 +151,7 @@ private:
     const VoxelWindow<T>& window, const SampleCells& cells, int component, Empty)
     : Volume(window.Volume)
     , Component(component)
-    , Voxels(window.Volume, _mm_cvtsi128_si32(window.Corner), _mm_extract_epi32(window.Corner, 1),
+    , Voxels(window, _mm_cvtsi128_si32(window.Corner), _mm_extract_epi32(window.Corner, 1),
         _mm_extract_epi32(window.Corner, 2))
   {
     const Di di;
@@ -181,12 +185,10 @@ private:
     if constexpr (!AtFaces)
     {
       // Nothing is read there: it may lie outside of the volume.
-      const std::uintptr_t next = reinterpret_cast<std::uintptr_t>(this->Voxels.Get(0, 0)) +
-        static_cast<std::uintptr_t>(window.ToNextSlab);
-      const std::ptrdiff_t step = sizeof(T) * std::ptrdiff_t{ this->Volume.IncrementY };
       for (int row = 0; row < VoxelWindow<T>::Side; ++row)
       {
-        const std::uintptr_t at = next + static_cast<std::uintptr_t>(row * step);
+        const std::uintptr_t at = reinterpret_cast<std::uintptr_t>(this->Voxels.Get(0, row)) +
+          static_cast<std::uintptr_t>(window.ToNextSlab);
         Prefetch(at);
         // Rows may end in the line behind the one that they begin in. Longer ones do not gain.
         if constexpr (RowBytes > LineBytes / 4 && RowBytes <= LineBytes)
@@ -205,7 +207,8 @@ private:
 
   const PacketVolume& Volume;
   int Component;
-  WindowAddresses<T, AtFaces> Voxels;   ///< from one before the first cell along each axis
+  WindowAddresses<T, AtFaces, Components>
+    Voxels;                             ///< from one before the first cell along each axis
   WindowPlaces<T, Fit, AtFaces> Places; ///< of the rows at (0, 0)
   WindowSlab<T> Slabs[NumberOfSlabs];
 };
