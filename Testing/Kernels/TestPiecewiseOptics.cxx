@@ -190,3 +190,38 @@ TEST(PiecewiseOptics, FunctionsOfManyPiecesHaveNone)
   const TransferTable nothing = MakeTable(0.0, 100.0, 101, [](double) { return 0.0; });
   EXPECT_EQ(FindPieces(nothing).Pieces, 1);
 }
+
+TEST(PiecewiseOptics, FactorsAreThoseOfTheTable)
+{
+  // Between points that are no entries, from zero and back, and up to one.
+  constexpr std::size_t Size = 300;
+  std::vector<float> factors;
+  for (std::size_t i = 0; i < Size; ++i)
+  {
+    const double x = static_cast<double>(i);
+    const double ramp = std::clamp((x - 20.3) / 81.7, 0.0, 1.0);
+    factors.push_back(static_cast<float>(x < 250.0 ? ramp : std::max(0.0, 1.0 - (x - 250.0) / 40)));
+  }
+  const PiecewiseOptics pieces = FindPiecewiseFactors(factors);
+  ASSERT_GT(pieces.Pieces, 3);
+  ASSERT_LT(pieces.Pieces, 10);
+  for (double x = 0.0; x < static_cast<double>(Size + 20); x += 0.13)
+  {
+    const double entry = std::min(x, static_cast<double>(Size - 1));
+    const std::size_t at = std::min(static_cast<std::size_t>(entry), Size - 2);
+    const double before = static_cast<double>(factors[at]);
+    const double behind = static_cast<double>(factors[at + 1]);
+    const double expected = before + (entry - static_cast<double>(at)) * (behind - before);
+    EXPECT_NEAR(FindOpacity(pieces, x), expected, 2e-3 * std::max(before, behind) + 1e-6) << x;
+    if (before == 0.0 && behind == 0.0)
+    {
+      EXPECT_EQ(FindOpacity(pieces, x), 0.0) << x;
+    }
+  }
+  // What curves everywhere is not of few lines.
+  for (std::size_t i = 0; i < Size; ++i)
+  {
+    factors[i] = static_cast<float>(0.5 + 0.5 * std::sin(static_cast<double>(i)));
+  }
+  EXPECT_EQ(FindPiecewiseFactors(factors).Pieces, 0);
+}

@@ -290,6 +290,7 @@ PacketGradientOpacity MakeGradientOpacity(const GradientOpacity& opacity,
   {
     packet.Factors = opacity.GetFactors().data();
     packet.Size = static_cast<int>(opacity.GetFactors().size());
+    packet.Pieces = FindPiecewiseFactors(opacity.GetFactors());
     Copy(FindMagnitudeScale(classifier, volume, component) * opacity.GetScale(), packet.Scale);
     const float* const end = packet.Factors + packet.Size;
     const float* const some =

@@ -107,6 +107,7 @@ struct PacketGradientOpacity
 {
   const float* Factors = nullptr; ///< null: there are none
   int Size = 0;
+  PiecewiseOptics Pieces; ///< the same as straight lines
   float Scale[3] = {};
   float ZeroUpTo = 0.0f; ///< factors are zero up to this squared length, unless it is 0
 };

@@ -106,21 +106,17 @@ Line FindLine(const std::vector<Entry>& entries, std::size_t from, const PieceTo
   return line;
 }
 
-/// The opacity at the transparent end of a line that is 0 up to TransferTable::GetMargin() from
-/// there. `other`: the opacity at its other end, `steps` entries away.
-double FindTransparentEnd(const TransferTable& table, double other, double steps)
+/// The opacity at the transparent end of a line that is 0 up to `margin` from there. `other`: the
+/// opacity at its other end, `steps` entries away.
+double FindTransparentEnd(double margin, double other, double steps)
 {
-  const double margin = static_cast<double>(table.GetMargin());
   return -margin / (steps - margin) * other;
 }
 
-} // namespace
-
-//------------------------------------------------------------------------------
-PiecewiseOptics FindPiecewiseOptics(const TransferTable& table, double low, double scale,
-  double length, const PieceTolerance& tolerance)
+/// As FindPiecewiseOptics(), of the entries of a table with TransferTable::GetMargin().
+PiecewiseOptics FindPieces(const std::vector<Entry>& entries, double margin, double low,
+  double scale, double length, const PieceTolerance& tolerance)
 {
-  const std::vector<Entry> entries = FindEntries(table, length);
   const auto valueAt = [&](std::size_t i) {
     return static_cast<float>(low + static_cast<double>(i) / scale);
   };
@@ -147,12 +143,12 @@ PiecewiseOptics FindPiecewiseOptics(const TransferTable& table, double low, doub
     }
     if (begin[0] <= 0.0)
     {
-      begin[0] = FindTransparentEnd(table, begin[0] + steps * line.Slope[0], steps);
+      begin[0] = FindTransparentEnd(margin, begin[0] + steps * line.Slope[0], steps);
       line.Slope[0] -= begin[0] / steps;
     }
     else if (end <= 0.0)
     {
-      line.Slope[0] = (FindTransparentEnd(table, begin[0], steps) - begin[0]) / steps;
+      line.Slope[0] = (FindTransparentEnd(margin, begin[0], steps) - begin[0]) / steps;
     }
     const auto piece = static_cast<std::size_t>(optics.Pieces);
     optics.Begin[piece] = valueAt(from);
@@ -169,6 +165,27 @@ PiecewiseOptics FindPiecewiseOptics(const TransferTable& table, double low, doub
     from = line.End;
   }
   return optics;
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+PiecewiseOptics FindPiecewiseOptics(const TransferTable& table, double low, double scale,
+  double length, const PieceTolerance& tolerance)
+{
+  return FindPieces(FindEntries(table, length), static_cast<double>(table.GetMargin()), low, scale,
+    length, tolerance);
+}
+
+//------------------------------------------------------------------------------
+PiecewiseOptics FindPiecewiseFactors(const std::vector<float>& factors)
+{
+  std::vector<Entry> entries;
+  for (const float factor : factors)
+  {
+    entries.push_back({ static_cast<double>(factor), 0.0, 0.0, 0.0 });
+  }
+  return FindPieces(entries, 0.0, 0.0, 1.0, 1.0, {});
 }
 
 } // namespace ffd

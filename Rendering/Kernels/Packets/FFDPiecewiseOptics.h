@@ -6,6 +6,8 @@
 #include "FFDExport.h"
 #include "FFDTransferTable.h"
 
+#include <vector>
+
 namespace ffd
 {
 
@@ -55,6 +57,10 @@ constexpr PieceTolerance StraightOpacities{ 1e-5, 1e-7, 1.0 };
 /// `scale`: entries a unit of these values; `length`: that opacities are over, in data units.
 FFD_RENDERING_EXPORT PiecewiseOptics FindPiecewiseOptics(const TransferTable& table, double low,
   double scale, double length, const PieceTolerance& tolerance = {});
+
+/// Finds the pieces of factors of opacities, which take the place of these, by the number of the
+/// factor; colors are black.
+FFD_RENDERING_EXPORT PiecewiseOptics FindPiecewiseFactors(const std::vector<float>& factors);
 
 } // namespace ffd
 

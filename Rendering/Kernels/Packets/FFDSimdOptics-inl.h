@@ -64,8 +64,11 @@ HWY_INLINE Vf InterpolateFactors(const float* factors, Vi first, Vf last, Vf ent
 /// Factors of opacities, by the length of the gradient.
 HWY_INLINE Vf FactorOf(const PacketGradientOpacity& gradients, const Vec3& gradient)
 {
-  return InterpolateFactors(gradients.Factors, hn::Zero(Di()),
-    Splat(static_cast<float>(gradients.Size - 1)), FindMagnitude(gradients.Scale, gradient));
+  const Vf magnitude = FindMagnitude(gradients.Scale, gradient);
+  return HWY_LIKELY(PieceLookup::Knows(gradients.Pieces))
+    ? PieceLookup(gradients.Pieces, magnitude).Opacity()
+    : InterpolateFactors(gradients.Factors, hn::Zero(Di()),
+        Splat(static_cast<float>(gradients.Size - 1)), magnitude);
 }
 
 /// Factors of opacities by the gradient opacities of one of the tables of labels.
