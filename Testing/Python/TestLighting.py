@@ -201,8 +201,9 @@ class LitPlane:
             n_dot_l, n_dot_h = n_dot_l.clip(0.0), n_dot_h.clip(0.0)
             diffuse = diffuse + (strength * n_dot_l)[:, None] * intensity * numpy.array(
                 light.GetDiffuseColor())
-            specular = specular + (strength * n_dot_h ** self.prop.GetSpecularPower())[:, None] * \
-                intensity * numpy.array(light.GetSpecularColor())
+            highlight = numpy.where(n_dot_h > 0.0, n_dot_h ** self.prop.GetSpecularPower(), 0.0)
+            specular = specular + (strength * highlight)[:, None] * intensity * numpy.array(
+                light.GetSpecularColor())
         lit = COLOR * (self.prop.GetAmbient() * ambient + self.prop.GetDiffuse() * diffuse) + \
             self.prop.GetSpecular() * specular
         return 255.0 * lit.clip(0.0, 1.0)
@@ -277,6 +278,19 @@ class TestLighting(unittest.TestCase):
                     plane.headlight(Intensity=0.4)
                     _, expected = self.check(plane, 3.0)
         self.print_error("several lights", vtkOpenGLGPUVolumeRayCastMapper(), plane, expected)
+
+    def test_highlights_of_any_power(self):
+        # To the power of zero, too, what a light does not reach has no highlight.
+        for two_sided in (False, True):
+            for power in (0.0, 0.3, 1.0, 2.5, 40.0):
+                with self.subTest(two_sided=two_sided, power=power):
+                    plane = LitPlane([0.5, 0.3, -0.8])
+                    plane.prop.SetSpecularPower(power)
+                    plane.look([0.2, -0.1, -1.0])
+                    plane.renderer.SetTwoSidedLighting(two_sided)
+                    plane.light(Position=(5.0, 3.0, -8.0), FocalPoint=(0.0, 0.0, 0.0))
+                    plane.headlight(Intensity=0.4)
+                    self.check(plane)
 
     def test_matrices_of_the_camera(self):
         """The scene turns before the camera, about what this looks at."""

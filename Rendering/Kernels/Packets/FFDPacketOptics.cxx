@@ -257,7 +257,8 @@ PacketSurface MakeSurface(
   const float power = reflectance.SpecularPower;
   surface.SpecularPower = power;
   surface.SmallestCosine = power > 0.0f ? std::pow(SmallestHighlight, 1.0f / power) : 0.0f;
-  if (power == std::floor(power) && power <= LargestWholePower)
+  // To the power of 0 what light does not reach would be 1, too.
+  if (power == std::floor(power) && power > 0.0f && power <= LargestWholePower)
   {
     surface.WholeSpecularPower = static_cast<int>(power);
   }

@@ -83,8 +83,8 @@ struct PacketSurface
 {
   float SpecularPower = 1.0f;
   int WholeSpecularPower = -1; ///< that, or -1 where it is no whole number or large
-  /// Highlights of smaller cosines are zero: powers of these would be denormal numbers, which many
-  /// processors take a hundred times as long for.
+  /// Smaller cosines have the highlight of this one, next to nothing: their powers would be
+  /// denormal numbers, which many processors take a hundred times as long for.
   float SmallestCosine = 0.0f;
   float Ambient[3] = {};           ///< of all lights
   PacketLight Headlights;          ///< the sums of their colors

@@ -40,10 +40,9 @@ HWY_INLINE Vec3 Normalize(const Vec3& v)
     hn::IfThenElseZero(some, hn::Mul(v.z, inverse)) };
 }
 
-/// Light that samples send to the eye, without that of headlights.
+/// Light that samples send to the eye.
 struct Lighting
 {
-  Vec3 Ambient;
   Vec3 Diffuse;
   Vec3 Specular;
 };
@@ -51,7 +50,7 @@ struct Lighting
 /// x to the specular power, 0 <= x <= 1.
 HWY_INLINE Vf Highlight(const PacketSurface& surface, Vf x)
 {
-  const Vf some = hn::IfThenElseZero(hn::Ge(x, Splat(surface.SmallestCosine)), x);
+  const Vf some = hn::Max(x, Splat(surface.SmallestCosine));
   return surface.WholeSpecularPower >= 0 ? WholePower(some, surface.WholeSpecularPower)
                                          : Power(some, surface.SpecularPower);
 }
@@ -59,7 +58,7 @@ HWY_INLINE Vf Highlight(const PacketSurface& surface, Vf x)
 /// Cosine of an angle between directions as it counts for lighting.
 HWY_INLINE Vf LitCosine(const PacketScene& scene, Vf cosine)
 {
-  return hn::Min(hn::Max(scene.TwoSided ? hn::Abs(cosine) : cosine, hn::Zero(Df())), Splat(1.0f));
+  return scene.TwoSided ? hn::Abs(cosine) : hn::Max(cosine, hn::Zero(Df()));
 }
 
 /// Directions to a light, unit vectors, and how much of its light arrives.
@@ -123,14 +122,14 @@ struct EyeDirections
   }
 };
 
-/// `lit` with the lights that are no headlights, but for their ambient terms. `inverseHalves`:
-/// those of EyeDirections, or null.
+/// The light of those that are no headlights, but for their ambient terms. `inverseHalves`: those
+/// of EyeDirections, or null.
 HWY_NOINLINE inline Lighting AddLights(const PacketScene& scene, const PacketSurface& surface,
-  const Vec3& position, const Vec3& normal, const Vec3& toEye, const Vf* inverseHalves,
-  Lighting lit)
+  const Vec3& position, const Vec3& normal, const Vec3& toEye, const Vf* inverseHalves)
 {
   const Vf nDotE = Dot(normal, toEye);
   const Vf zero = hn::Zero(Df());
+  Lighting lit{ { zero, zero, zero }, { zero, zero, zero } };
   Vf diffuse = zero; // of lights that are gray
   Vf specular = zero;
   const auto add = [](const PacketLight& light, Vf part, const float(&color)[3], Vf& gray,
@@ -147,18 +146,27 @@ HWY_NOINLINE inline Lighting AddLights(const PacketScene& scene, const PacketSur
   for (std::size_t i = 0; i < surface.Lights.size(); ++i)
   {
     const PacketLight& light = surface.Lights[i];
-    const Arrival arrival = light.Positional ? FindArrival(light, position)
-                                             : Arrival{ Broadcast(light.Towards), Splat(1.0f) };
-    const Vf nDotL = Dot(normal, arrival.Towards);
-    add(light, hn::Mul(arrival.Strength, LitCosine(scene, nDotL)), light.Diffuse, diffuse,
-      lit.Diffuse);
+    Vec3 towards = Broadcast(light.Towards);
+    Vf strength = Splat(1.0f);
+    if (HWY_UNLIKELY(light.Positional))
+    {
+      const Arrival arrival = FindArrival(light, position);
+      towards = Copy(arrival.Towards);
+      strength = arrival.Strength;
+    }
+    const auto arriving = [&](Vf part) FFD_INLINE_LAMBDA {
+      return HWY_UNLIKELY(light.Positional) ? hn::Mul(strength, part) : part;
+    };
+    const Vf nDotL = Dot(normal, towards);
+    add(light, arriving(LitCosine(scene, nDotL)), light.Diffuse, diffuse, lit.Diffuse);
     if (light.HasHighlight)
     {
       const bool isKept = inverseHalves && !light.Positional && i < EyeDirections::Kept;
-      const Vf inverseHalf = isKept ? inverseHalves[i] : InverseLengthOfSum(arrival.Towards, toEye);
-      const Vf nDotH = hn::Mul(hn::Add(nDotL, nDotE), inverseHalf);
-      add(light, hn::Mul(arrival.Strength, Highlight(surface, LitCosine(scene, nDotH))),
-        light.Specular, specular, lit.Specular);
+      const Vf inverseHalf = isKept ? inverseHalves[i] : InverseLengthOfSum(towards, toEye);
+      const Vf nDotH = LitCosine(scene, hn::Mul(hn::Add(nDotL, nDotE), inverseHalf));
+      // Where a light is opposite to the eye rounding makes it more than 1.
+      add(light, arriving(Highlight(surface, hn::Min(nDotH, Splat(1.0f)))), light.Specular,
+        specular, lit.Specular);
     }
   }
   lit.Diffuse = Add(lit.Diffuse, { diffuse, diffuse, diffuse });
@@ -183,8 +191,8 @@ HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, co
       hn::Gt(inverse, hn::Zero(Df())), hn::Neg(hn::Mul(Dot(gradient, toEye), inverse))));
   const Vf highlight = Highlight(surface, facing);
   const PacketLight& headlights = surface.Headlights;
-  Lighting lit{ Broadcast(surface.Ambient), Scale(facing, Broadcast(headlights.Diffuse)),
-    Scale(highlight, Broadcast(headlights.Specular)) };
+  Vec3 diffuse = MulAdd(facing, Broadcast(headlights.Diffuse), Broadcast(surface.Ambient));
+  Vec3 specular = Scale(highlight, Broadcast(headlights.Specular));
   if (HWY_UNLIKELY(!surface.Lights.empty()))
   {
     const Vec3 normal = Scale(Splat(-1.0f), Normalize(gradient));
@@ -192,12 +200,13 @@ HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, co
     {
       eye.FindHalves(surface);
     }
-    lit = AddLights(scene, surface, positionOf(), normal, Copy(toEye),
-      scene.Parallel ? nullptr : eye.InverseHalves, lit);
+    const Lighting lit = AddLights(scene, surface, positionOf(), normal, Copy(toEye),
+      scene.Parallel ? nullptr : eye.InverseHalves);
+    diffuse = Add(diffuse, lit.Diffuse);
+    specular = Add(specular, lit.Specular);
   }
   const auto mix = [&](Vf Vec3::*c) FFD_INLINE_LAMBDA {
-    const Vf light = hn::Add(lit.Ambient.*c, lit.Diffuse.*c);
-    return hn::Min(hn::MulAdd(color.*c, light, lit.Specular.*c), Splat(1.0f));
+    return hn::Min(hn::MulAdd(color.*c, diffuse.*c, specular.*c), Splat(1.0f));
   };
   return { mix(&Vec3::x), mix(&Vec3::y), mix(&Vec3::z) };
 }
