@@ -173,7 +173,7 @@ class TestAbort(unittest.TestCase):
                 self.begin()
                 options = []
                 if ranks > 0:
-                    port = 21000 + (os.getpid() + ranks) % 9000
+                    port = ffdprocess.find_port()
                     self.start_server(port, ranks)
                     options = ["--server-url=cs://localhost:%d" % port]
                 self.start("paraview", "--dr", *options,
@@ -191,7 +191,7 @@ class TestAbort(unittest.TestCase):
         message and ParaView's question, behind which the still frame that was to come is not asked for,
         which would end ParaView."""
         self.begin()
-        port = 21000 + (os.getpid() + 5) % 9000
+        port = ffdprocess.find_port()
         self.start_server(port, 1)
         output = os.path.join(self.folder, "output")
         with open(output, "w", encoding="utf-8") as file:

@@ -77,7 +77,7 @@ class TestPanel(unittest.TestCase):
     def test_server(self):
         """The client of a server of two processes, which alone have the volume: the same drag, Apply
         and picture."""
-        port = 21000 + os.getpid() % 9000
+        port = ffdprocess.find_port()
         with subprocess.Popen(
                 ["mpiexec", "-np", "2", "pvserver", "--server-port=%d" % port],
                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
@@ -501,7 +501,7 @@ class TestPanel(unittest.TestCase):
     def test_transform_file_elsewhere(self):
         """The volume that was selected is the client's, and the file is opened on a server: the message says
         that."""
-        port = 21000 + (os.getpid() + 2) % 9000
+        port = ffdprocess.find_port()
         with subprocess.Popen(
                 ["pvserver", "--server-port=%d" % port], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                 text=True, env={**os.environ, "PV_PLUGIN_PATH": os.path.dirname(PLUGIN)}) as server:
@@ -535,7 +535,7 @@ class TestPanel(unittest.TestCase):
             options = []
             server = None
             if ranks:
-                port = 21000 + (os.getpid() + 1) % 9000
+                port = ffdprocess.find_port()
                 server = subprocess.Popen(
                     ["mpiexec", "-np", str(ranks), "pvserver", "--server-port=%d" % port],
                     stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment)
@@ -581,7 +581,7 @@ class TestPanel(unittest.TestCase):
         counts = [0, 0]
         with contextlib.ExitStack() as stack:
             if server:
-                port = 21000 + (os.getpid() + moves) % 9000
+                port = ffdprocess.find_port()
                 process = stack.enter_context(subprocess.Popen(
                     ["pvserver", "--server-port=%d" % port], env=environment, text=True,
                     stdout=subprocess.PIPE, stderr=subprocess.STDOUT))

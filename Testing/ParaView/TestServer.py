@@ -82,7 +82,7 @@ class TestServer(unittest.TestCase):
         show(view)
         local = ffd.picture(view, "local")
         places = find_places(view)
-        port = 21000 + os.getpid() % 9000
+        port = ffdprocess.find_port()
         with serve(port, "mpiexec", "-np", "2"):
             simple.Connect("localhost", port)
             ffd.load(remote=True)
@@ -120,7 +120,7 @@ class TestServer(unittest.TestCase):
             return find_places(view, pixels)
 
         here = find()
-        port = 21000 + (os.getpid() + 4) % 9000
+        port = ffdprocess.find_port()
         with serve(port):
             simple.Connect("localhost", port)
             ffd.load(remote=True)
@@ -136,7 +136,7 @@ class TestServer(unittest.TestCase):
         copy = os.path.join(folder, "FFDVolume.so")
         with open(copy, "wb") as library:
             library.write(content.replace(b"0.1.0\0", b"0.0.9\0"))
-        port = 21000 + (os.getpid() + 3) % 9000
+        port = ffdprocess.find_port()
         with serve(port, PV_PLUGIN_PATH=""):
             simple.Connect("localhost", port)
             simple.LoadPlugin(copy, remote=True, ns=vars(simple))
@@ -155,7 +155,7 @@ class TestServer(unittest.TestCase):
         """50 ms and 20 Mbit/s away: an edit sends the control points, and no voxels come."""
         sent = {}
         for size in (5, 9):
-            port = 21000 + (os.getpid() + size) % 9000
+            port = ffdprocess.find_port()
             with serve(port, PV_PLUGIN_PATH=os.path.dirname(ffd.PLUGIN)):
                 with ffdlink.SlowLink(port) as link:
                     simple.Connect("localhost", link.port)

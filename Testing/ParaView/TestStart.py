@@ -5,7 +5,6 @@
 
 import glob
 import os
-import socket
 import subprocess
 import tempfile
 import time
@@ -125,9 +124,7 @@ class TestStart(unittest.TestCase):
 
     def connect(self, server, *arguments, script=CLIENT, **environment):
         """A client of a server, which is stopped at the end; returns the client's output."""
-        with socket.socket() as free:
-            free.bind(("localhost", 0))
-            port = free.getsockname()[1]
+        port = ffdprocess.find_port()
         with subprocess.Popen(
                 [*server, "--server-port=%d" % port], stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT, text=True, env=self.environment) as process:
@@ -141,9 +138,7 @@ class TestStart(unittest.TestCase):
 
     def test_window_of_server_without_plugin(self):
         """ParaView's window says so, once, and what to do."""
-        with socket.socket() as free:
-            free.bind(("localhost", 0))
-            port = free.getsockname()[1]
+        port = ffdprocess.find_port()
         path = os.path.join(self.folder, "output")
         with open(path, "w", encoding="utf-8") as output, subprocess.Popen(
                 ["pvserver", "--server-port=%d" % port], stdout=subprocess.PIPE,

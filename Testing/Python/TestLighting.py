@@ -292,6 +292,15 @@ class TestLighting(unittest.TestCase):
                     plane.headlight(Intensity=0.4)
                     self.check(plane)
 
+    def test_specular_below_zero(self):
+        # Not of this world, but the same in all kernels.
+        plane = LitPlane([0.5, 0.3, -0.8])
+        plane.prop.SetSpecular(-0.2)
+        plane.look([0.2, -0.1, -1.0])
+        plane.light(Position=(-3.0, 2.0, 8.0), FocalPoint=(0.0, 0.0, 0.0))
+        plane.headlight(Intensity=0.4)
+        self.check(plane)
+
     def test_matrices_of_the_camera(self):
         """The scene turns before the camera, about what this looks at."""
         for parallel in (False, True):

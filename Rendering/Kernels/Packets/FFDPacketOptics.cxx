@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 namespace ffd
@@ -243,7 +244,8 @@ PacketLight MakePacketLight(
   Copy(material.Specular * light.Specular, packet.Specular);
   Copy(light.Attenuation, packet.Attenuation);
   packet.Attenuates = light.Attenuation != glm::dvec3(1.0, 0.0, 0.0);
-  packet.HasHighlight = packet.Specular[0] + packet.Specular[1] + packet.Specular[2] > 0.0f;
+  const auto isSome = [](float part) { return part != 0.0f; };
+  packet.HasHighlight = std::any_of(std::begin(packet.Specular), std::end(packet.Specular), isSome);
   const auto isGray = [](const float(&c)[3]) { return c[0] == c[1] && c[1] == c[2]; };
   packet.IsGray = isGray(packet.Diffuse) && isGray(packet.Specular);
   return packet;
