@@ -61,11 +61,12 @@ class Scene:
         function.AddPoint(0, opacity)
         self.property.SetScalarOpacity(function)
 
-    def look_along(self, axis, sign):
-        """From far away, so that the headlight shines along the axis."""
+    def look_along(self, axis, sign, middle=None):
+        """At a point, the center of the volume if none is given, from far away, so that the headlight
+        shines along the axis."""
         camera = self.renderer.GetActiveCamera()
         camera.ParallelProjectionOn()
-        middle = self.volume.GetCenter()
+        middle = middle or self.volume.GetCenter()
         position = list(middle)
         position[axis] -= 1e4 * sign
         camera.SetFocalPoint(middle)
@@ -168,14 +169,10 @@ class TestFaces(unittest.TestCase):
                 scene.property.ShadeOn()
                 scene.set_opacity(0.0)
                 scene.property.GetScalarOpacity().AddPoint(255, 0.3)
-                scene.look_along(axis, sign)
                 middle = [size - 3.0 if last else 2.0] * 3
                 middle[axis] = 0.5 * (size - 1)
-                position = list(middle)
-                position[axis] -= 1e4 * sign
+                scene.look_along(axis, sign, middle)
                 camera = scene.renderer.GetActiveCamera()
-                camera.SetFocalPoint(middle)
-                camera.SetPosition(position)
                 camera.SetParallelScale(3.5)
                 camera.Azimuth(0.1)
                 scene.renderer.ResetCameraClippingRange()

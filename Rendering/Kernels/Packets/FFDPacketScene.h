@@ -82,7 +82,7 @@ struct PacketSeed
 struct PacketSurface
 {
   float SpecularPower = 1.0f;
-  int WholeSpecularPower = -1; ///< that, or -1 where it is no whole number or large
+  int WholeSpecularPower = -1; ///< that, or -1 where it is 0, no whole number or large
   /// Smaller cosines have the highlight of this one, next to nothing: their powers would be
   /// denormal numbers, which many processors take a hundred times as long for.
   float SmallestCosine = 0.0f;

@@ -207,8 +207,8 @@ private:
 
   const PacketVolume& Volume;
   int Component;
-  WindowAddresses<T, AtFaces, Components>
-    Voxels;                             ///< from one before the first cell along each axis
+  /// From one before the first cell along each axis.
+  WindowAddresses<T, AtFaces, Components> Voxels;
   WindowPlaces<T, Fit, AtFaces> Places; ///< of the rows at (0, 0)
   WindowSlab<T> Slabs[NumberOfSlabs];
 };
