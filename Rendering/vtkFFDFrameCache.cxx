@@ -148,6 +148,9 @@ bool vtkFFDFrameCache::Update(
   {
     return false;
   }
+  this->Labels.Update(tools, ffd::UniformView{ this->Mask.Volume }, this->Mask.Labels,
+    { this->MaskArray.Get(), this->MaskTime });
+  this->Mask.Blocks = &this->Labels.Get();
   this->Distances = nullptr;
   this->Peaks = nullptr;
   if (mapper->GetSpaceLeaping() == Mapper::OFF)
@@ -160,7 +163,7 @@ bool vtkFFDFrameCache::Update(
   {
     functions = functions.WithVersion(functions->Visibility);
   }
-  this->UpdateMaskBlocks(mapper->GetMaskInput(), tools);
+  this->UpdateMaskBlocks(tools);
   this->Space.Update(
     tools, this->Blocks.GetProduct(), this->MaskBlocks.GetProduct(), functions, { this->Blend });
   this->Distances = this->Space->CanLeap ? &this->Space->Distances : nullptr;
@@ -261,6 +264,7 @@ bool vtkFFDFrameCache::FindMask(Mapper* mapper, vtkDataSet* input, std::string& 
   const ffd::VolumeView& volume = this->GetVolume();
   this->Mask = ffd::MaskView();
   this->MaskArray = nullptr;
+  this->MaskTime = 0;
   if (vtkImageData* image = mapper->GetMaskInput())
   {
     this->Mask.Labels = mapper->GetMaskType() == Mapper::LabelMapMaskType;
@@ -276,6 +280,7 @@ bool vtkFFDFrameCache::FindMask(Mapper* mapper, vtkDataSet* input, std::string& 
       message = "MaskInput: " + message;
       return false;
     }
+    this->MaskTime = std::max(image->GetMTime(), this->MaskArray->GetMTime());
     this->Mask.Volume.Margin = 0.0;
     this->Arrays.push_back(this->MaskArray);
     this->Mask.SameGrid = this->Mask.Volume.Dimensions == volume.Dimensions;
@@ -333,14 +338,13 @@ bool vtkFFDFrameCache::UpdateBlocks(
 }
 
 //------------------------------------------------------------------------------
-/// Blocks of a binary mask, where they are those of the volume.
-void vtkFFDFrameCache::UpdateMaskBlocks(vtkImageData* mask, ffd::StageTools& tools)
+/// Limits of a binary mask in blocks, where they are those of the volume.
+void vtkFFDFrameCache::UpdateMaskBlocks(ffd::StageTools& tools)
 {
   const bool hides = this->Mask.Volume.Scalars && !this->Mask.Labels && this->Mask.SameGrid &&
     !this->GetVolume().Axes;
-  vtkDataArray* const scalars = hides ? this->MaskArray.Get() : nullptr;
   this->MaskBlocks.Update(tools, ffd::UniformView{ hides ? this->Mask.Volume : ffd::VolumeView() },
-    { scalars, hides ? std::max(mask->GetMTime(), scalars->GetMTime()) : 0 });
+    { hides ? this->MaskArray.Get() : nullptr, hides ? this->MaskTime : 0 });
 }
 
 //------------------------------------------------------------------------------
@@ -371,5 +375,6 @@ std::size_t vtkFFDFrameCache::GetMemorySize() const
     this->Field.GetMemorySize() + this->PullBack.GetLast().GetMemorySize() +
     this->Voxels.GetLast().Hidden.GetMemorySize() +
     (scalars ? static_cast<std::size_t>(scalars->GetActualMemorySize()) * 1024 : 0) +
-    this->Blocks.GetLast().GetMemorySize() + this->MaskBlocks.GetLast().GetMemorySize();
+    this->Blocks.GetLast().GetMemorySize() + this->MaskBlocks.GetLast().GetMemorySize() +
+    this->Labels.GetLast().GetMemorySize();
 }

@@ -106,7 +106,7 @@ private:
   bool UpdatePullBack(Mapper* mapper, vtkDataSet* input, ffd::StageTools& tools);
   bool FindMask(Mapper* mapper, vtkDataSet* input, std::string& message);
   bool UpdateBlocks(Mapper* mapper, vtkVolumeProperty* property, ffd::StageTools& tools);
-  void UpdateMaskBlocks(vtkImageData* mask, ffd::StageTools& tools);
+  void UpdateMaskBlocks(ffd::StageTools& tools);
 
   // The stages, in their order.
   ffd::StageOrder Order;
@@ -116,6 +116,7 @@ private:
   ffd::Stage<&ffd::MakeBoundedPullBack> PullBack{ Order };
   ffd::Stage<&ffd::MakeComponentBlocks> Blocks{ Order };
   ffd::Stage<&ffd::MakeMaskBlocks> MaskBlocks{ Order };
+  ffd::Stage<&ffd::MakeLabelBlocks> Labels{ Order };
   ffd::Stage<&ffd::MakeTransferFunctions> Functions{ Order };
   ffd::Stage<&ffd::MakeEmptySpace> Space{ Order };
 
@@ -124,6 +125,7 @@ private:
   ffd::LookupOptions Lookup;
   ffd::MaskView Mask;
   vtkSmartPointer<vtkDataArray> MaskArray;
+  vtkMTimeType MaskTime = 0;
   ffd::VolumeView SecondAxis;
   vtkSmartPointer<vtkDataArray> SecondAxisArray;
   ffd::Blending Blend;

@@ -312,6 +312,14 @@ Made MakeMaskBlocks(MaskBlocks& result, StageTools& tools, const UniformView& vi
 }
 
 //------------------------------------------------------------------------------
+Made MakeLabelBlocks(LabelBlocks& result, StageTools& tools, const UniformView& view,
+  bool isLabelMap, const Source<vtkDataArray>& vtkNotUsed(scalars))
+{
+  result = view.View.Scalars ? LabelBlocks(view.View, isLabelMap, tools.Parallel) : LabelBlocks();
+  return Made::Anew;
+}
+
+//------------------------------------------------------------------------------
 MinMaxBlocks::Limits FindRangeOfWhole(
   const MinMaxBlocks::Limits& range, int components, const std::array<double, 2>& whole)
 {

@@ -23,6 +23,7 @@
 #include "FFDStage.h"
 #include "FFDValuePeaks.h"
 #include "Optics/FFDBlending.h"
+#include "Optics/FFDLabelBlocks.h"
 #include "Optics/FFDOpticalFunctions.h"
 
 #include <array>
@@ -94,6 +95,10 @@ struct MaskBlocks
 /// `view`: of a mask on the grid of the volume, else empty; `scalars`: those of the mask.
 Made MakeMaskBlocks(MaskBlocks& result, StageTools& tools, const UniformView& view,
   const Source<vtkDataArray>& scalars);
+
+/// `view`: of a mask, or empty; `scalars`: those of the mask.
+Made MakeLabelBlocks(LabelBlocks& result, StageTools& tools, const UniformView& view,
+  bool isLabelMap, const Source<vtkDataArray>& scalars);
 
 /// Options of the mapper that scalars are looked up by.
 struct LookupOptions

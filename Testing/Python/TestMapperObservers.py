@@ -18,7 +18,7 @@ import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (the window's implementation
 import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401
 from ffdsetters import argument_lists, call, make_mask, make_plane, setters
 from TestHostileValues import make_image, make_lattice, make_property
-from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkDataSetMapper, vtkRenderer, vtkRenderWindow,
@@ -190,6 +190,34 @@ class TestMapperObservers(unittest.TestCase):
                     np.testing.assert_array_equal(scene.render(), expected)
                     np.testing.assert_array_equal(scene.render(), without)
                     self.assertEqual(scene.errors, [])
+
+    def test_the_mask_is_removed_by_observers(self):
+        """Also by those of the progress of what is found before a frame looks at the mask: of many
+        voxels, by one thread, that takes several steps."""
+        side = 224
+        values = np.tile(np.arange(side) % 100.0, side * side)
+        mask = np.zeros(side ** 3, np.uint8)
+        mask[side ** 3 // 2:] = 1
+
+        def make(array):
+            image = vtkImageData()
+            image.SetDimensions(side, side, side)
+            image.SetSpacing([11.0 / (side - 1)] * 3)
+            image.GetPointData().SetScalars(numpy_to_vtk(array))
+            return image
+
+        scene = Scene()
+        for event in EVENTS:
+            with self.subTest(event=event):
+                mapper = scene.new_mapper()
+                mapper.SetNumberOfThreads(1)
+                mapper.SetInputData(make(values))
+                mapper.SetMaskInput(make(mask))
+                mapper.SetMaskTypeToBinary()
+                mapper.AddObserver(event, lambda *_, m=mapper: m.SetMaskInput(None))
+                self.assertGreater(len(np.unique(scene.to_image())), 20)
+                self.assertIsNone(mapper.GetMaskInput())
+                self.assertEqual(scene.errors, [])
 
     def test_the_pass_is_replaced_by_observers(self):
         """The renderer goes on with the one that draws."""

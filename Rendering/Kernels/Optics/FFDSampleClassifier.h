@@ -6,6 +6,7 @@
 #include "FFDCameraView.h"
 #include "FFDCellMask.h"
 #include "FFDExport.h"
+#include "FFDLabelBlocks.h"
 #include "FFDOpticalFunctions.h"
 #include "FFDSampling.h"
 #include "FFDShading.h"
@@ -59,6 +60,7 @@ struct MaskView
     1.0f; ///< weight of a label's color and opacity; the rest is that of the scalars
   /// Voxel for voxel the grid of the scalars; else a place of its own, by Volume.
   bool SameGrid = true;
+  const LabelBlocks* Blocks = nullptr; ///< of Volume, or null
 };
 
 /// The inputs of SampleClassifier. What is pointed to outlives

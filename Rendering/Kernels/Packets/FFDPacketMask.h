@@ -19,8 +19,11 @@ struct PacketMask
   const void* Scalars = nullptr; ///< null: there is none
   ScalarType Type = ScalarType::UInt8;
   int Dimensions[3] = {};
-  std::ptrdiff_t RowIncrement = 0; ///< elements from one row of all slices to the next
-  bool InReach = false;            ///< whether 32-bit offsets lead to all of them
+  std::ptrdiff_t RowIncrement = 0;      ///< elements from one row of all slices to the next
+  bool InReach = false;                 ///< whether 32-bit offsets lead to all of them
+  const std::uint8_t* Blocks = nullptr; ///< LabelBlocks::GetLabels(), or null
+  int BlocksPerRow = 0;
+  int BlocksPerSlice = 0;
   /// Voxel for voxel the grid of the volume; else `FromIndex` and `Offset` take its index
   /// coordinates to those of the mask.
   bool SameGrid = true;

@@ -102,6 +102,12 @@ void SetMask(const SampleClassifier& classifier, PacketScene& scene)
   p.RowIncrement = mask.Volume.Increments[1];
   p.InReach = static_cast<double>(p.RowIncrement) * p.Dimensions[1] * p.Dimensions[2] <=
     scene.Settings.LargestReach;
+  if (mask.Blocks)
+  {
+    p.Blocks = mask.Blocks->GetLabels();
+    p.BlocksPerRow = mask.Blocks->GetSize().x;
+    p.BlocksPerSlice = mask.Blocks->GetSize().x * mask.Blocks->GetSize().y;
+  }
   p.SameGrid = mask.SameGrid;
   CopyRows(classifier.GetToMask(), p.FromIndex);
   Copy(classifier.GetMaskOffset(), p.Offset);

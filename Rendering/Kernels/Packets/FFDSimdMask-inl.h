@@ -11,6 +11,8 @@
 #include "FFDPacketMask.h"
 #include "FFDScalarDispatch.h"
 
+#include "Optics/FFDLabelBlocks.h"
+
 #include "FFDSimdMath-inl.h"
 
 #include <cstddef>
@@ -25,7 +27,8 @@ namespace HWY_NAMESPACE
 struct MaskVoxels
 {
   Vi X;
-  Vi Row;     ///< by number, through all slices
+  Vi Y;
+  Vi Z;
   Mf Outside; ///< lanes that are outside of a mask on a grid of its own
 };
 
@@ -47,28 +50,49 @@ HWY_INLINE MaskVoxels FindMaskVoxels(const PacketMask& mask, const Vec3& q)
   const Vi x = find(at.x, 0);
   const Vi y = find(at.y, 1);
   const Vi z = find(at.z, 2);
-  return { x, hn::Add(y, hn::Mul(z, hn::Set(Di(), mask.Dimensions[1]))), outside };
+  return { x, y, z, outside };
 }
 
-/// Returns function(scalar of the mask at the voxel nearest to q) of each lane, a whole number; 0
+/// The labels of the blocks that voxels are in, see LabelBlocks; these must be there.
+HWY_INLINE Vi LoadBlockLabels(const PacketMask& mask, const MaskVoxels& voxels)
+{
+  const Di di;
+  const auto block = [](Vi voxel) { return hn::ShiftRight<LabelBlocks::LogBlockSize>(voxel); };
+  const Vi index = hn::Add(block(voxels.X),
+    hn::Add(hn::Mul(block(voxels.Y), hn::Set(di, mask.BlocksPerRow)),
+      hn::Mul(block(voxels.Z), hn::Set(di, mask.BlocksPerSlice))));
+  HWY_ALIGN int offsets[16];
+  StoreIndices(index, offsets);
+  return hn::And(LoadLanes<int, 1>(mask.Blocks, 0, offsets), hn::Set(di, 0xff));
+}
+
+/// Returns function(scalar of the mask at the voxel nearest to q) of each lane, its label; 0
 /// outside of the mask.
 template <class Function>
 HWY_INLINE Vi LookUpMask(const PacketMask& mask, const Vec3& q, const Function& function)
 {
   const Di di;
   const MaskVoxels voxels = FindMaskVoxels(mask, q);
+  if (mask.Blocks)
+  {
+    const Vi labels = LoadBlockLabels(mask, voxels);
+    if (HWY_LIKELY(hn::AllFalse(di, hn::Eq(labels, hn::Set(di, LabelBlocks::Mixed)))))
+    {
+      return hn::IfThenZeroElse(hn::RebindMask(di, voxels.Outside), labels);
+    }
+  }
+  const Vi row = hn::Add(voxels.Y, hn::Mul(voxels.Z, hn::Set(di, mask.Dimensions[1])));
   HWY_ALIGN int places[16]; // in all of the mask, or in rows
   HWY_ALIGN int rows[16];
   if (HWY_LIKELY(mask.InReach))
   {
     StoreIndices(
-      hn::Add(voxels.X, hn::Mul(voxels.Row, hn::Set(di, static_cast<int>(mask.RowIncrement)))),
-      places);
+      hn::Add(voxels.X, hn::Mul(row, hn::Set(di, static_cast<int>(mask.RowIncrement)))), places);
   }
   else
   {
     StoreIndices(voxels.X, places);
-    StoreIndices(voxels.Row, rows);
+    StoreIndices(row, rows);
   }
   HWY_ALIGN int numbers[16];
   DispatchScalarType(mask.Type, [&](auto zero) {
