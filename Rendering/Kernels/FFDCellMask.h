@@ -3,6 +3,9 @@
 #ifndef FFDCellMask_h
 #define FFDCellMask_h
 
+#include "FFDGridIndex.h"
+
+#include <glm/common.hpp>
 #include <glm/vec3.hpp>
 
 #include <cstddef>
@@ -15,12 +18,15 @@ namespace ffd
 /**
  * A set of cells of a grid, one bit each. Rows along x begin with a byte of their own, and the
  * outermost cells are repeated Pad times beyond the grid, so that vector code can load the bits of
- * neighboring cells at once.
+ * neighboring cells at once. Blocks of 8^3 cells know whether there are any of the set in them or
+ * nearby.
  */
 class CellMask
 {
 public:
   static constexpr int Pad = 2; ///< cells beyond the grid on each side
+  static constexpr int LogBlockSize = 3;
+  static constexpr int Nearby = 2; ///< cells along each axis
 
   CellMask() = default;
 
@@ -31,6 +37,8 @@ public:
     , SliceBytes(this->RowBytes * (static_cast<std::size_t>(cells.y) + 2 * Pad))
     // The last word that is loaded may reach beyond the last row.
     , Bytes(this->SliceBytes * (static_cast<std::size_t>(cells.z) + 2 * Pad) + 8)
+    , Blocks((cells + (2 * Pad + (1 << LogBlockSize) - 1)) / (1 << LogBlockSize))
+    , NearBlocks(GridSize(this->Blocks) + 3)
   {
   }
 
@@ -52,6 +60,18 @@ public:
         for (int i = first.x; i <= last.x; ++i)
         {
           this->Bytes[this->FindByte(i, j, k)] |= static_cast<std::uint8_t>(1 << (i + Pad) % 8);
+        }
+      }
+    }
+    const glm::ivec3 firstBlock = glm::max(cell - Nearby + Pad, 0) >> LogBlockSize;
+    const glm::ivec3 lastBlock = glm::min((cell + Nearby + Pad) >> LogBlockSize, this->Blocks - 1);
+    for (int k = firstBlock.z; k <= lastBlock.z; ++k)
+    {
+      for (int j = firstBlock.y; j <= lastBlock.y; ++j)
+      {
+        for (int i = firstBlock.x; i <= lastBlock.x; ++i)
+        {
+          this->NearBlocks[GridIndex(i, j, k, this->Blocks)] = 1;
         }
       }
     }
@@ -87,7 +107,15 @@ public:
   std::size_t GetRowBytes() const { return this->RowBytes; }
   std::size_t GetSliceBytes() const { return this->SliceBytes; }
 
-  std::size_t GetMemorySize() const { return this->Bytes.capacity(); }
+  ///@{
+  /// A byte for each block of 8^3 cells, from cell (-Pad, -Pad, -Pad) on, x fastest: 1 where a cell
+  /// of the set is in the block or at most Nearby from one that is, else 0. Three more bytes may be
+  /// read behind the last one.
+  const std::uint8_t* GetNearBlocks() const { return this->NearBlocks.data(); }
+  const glm::ivec3& GetBlocks() const { return this->Blocks; }
+  ///@}
+
+  std::size_t GetMemorySize() const { return this->Bytes.capacity() + this->NearBlocks.capacity(); }
 
 private:
   std::size_t FindByte(int i, int j, int k) const
@@ -100,6 +128,8 @@ private:
   std::size_t RowBytes = 0;
   std::size_t SliceBytes = 0;
   std::vector<std::uint8_t> Bytes;
+  glm::ivec3 Blocks{ 0 };
+  std::vector<std::uint8_t> NearBlocks;
 };
 
 } // namespace ffd

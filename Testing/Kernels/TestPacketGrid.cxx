@@ -6,9 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <random>
 #include <utility>
 #include <vector>
@@ -151,6 +154,35 @@ TEST(PacketGrid, RepeatsOutermostCells)
   }
   EXPECT_TRUE(mask.HasAll({ 8, 1, 1 }, { 8, 1, 1 }));
   EXPECT_FALSE(mask.HasAll({ 7, 1, 1 }, { 8, 1, 1 }));
+}
+
+TEST(PacketGrid, BlocksTellOfHiddenCellsNearby)
+{
+  const glm::ivec3 cells(37, 18, 20);
+  const glm::ivec3 hidden[] = { { 0, 0, 0 }, { 13, 5, 6 }, { 36, 17, 19 }, { 22, 9, 13 } };
+  CellMask mask(cells);
+  for (const glm::ivec3& cell : hidden)
+  {
+    mask.Add(cell);
+  }
+  const glm::ivec3 blocks = mask.GetBlocks();
+  EXPECT_EQ(blocks, glm::ivec3(6, 3, 3));
+  int some = 0;
+  for (int b = 0; b < blocks.x * blocks.y * blocks.z; ++b)
+  {
+    const glm::ivec3 first =
+      8 * glm::ivec3(b % blocks.x, b / blocks.x % blocks.y, b / blocks.x / blocks.y) -
+      CellMask::Pad;
+    const bool isNear =
+      std::any_of(std::begin(hidden), std::end(hidden), [&](const glm::ivec3& cell) {
+        const glm::ivec3 away = glm::max(first - cell, cell - (first + 7));
+        return std::max({ away.x, away.y, away.z }) <= CellMask::Nearby;
+      });
+    some += isNear ? 1 : 0;
+    EXPECT_EQ(mask.GetNearBlocks()[b], isNear ? 1 : 0) << "block " << b;
+  }
+  EXPECT_GT(some, 4);
+  EXPECT_LT(some, blocks.x * blocks.y * blocks.z / 2);
 }
 
 } // namespace

@@ -180,6 +180,9 @@ PacketGrid MakePacketGrid(const VolumeView& volume, const CellMask* hidden)
     grid.Hidden = hidden->GetBytes();
     grid.HiddenRow = static_cast<int>(hidden->GetRowBytes());
     grid.HiddenSlice = static_cast<int>(hidden->GetSliceBytes());
+    grid.NearHidden = hidden->GetNearBlocks();
+    grid.NearRow = hidden->GetBlocks().x;
+    grid.NearSlice = hidden->GetBlocks().x * hidden->GetBlocks().y;
     for (int a = 0; a < 3; ++a)
     {
       grid.LastCell[a] = static_cast<float>(hidden->GetCells()[a] - 1);

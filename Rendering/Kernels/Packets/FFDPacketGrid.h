@@ -93,6 +93,9 @@ struct PacketGrid
   const std::uint8_t* Hidden = nullptr; ///< CellMask::GetBytes(); null: all cells are shown
   int HiddenRow = 0;                    ///< bytes
   int HiddenSlice = 0;
+  const std::uint8_t* NearHidden = nullptr; ///< CellMask::GetNearBlocks()
+  int NearRow = 0;                          ///< blocks
+  int NearSlice = 0;
   float LastCell[3] = {};
   float Margin = 0.0f; ///< VolumeView::Margin
   /// Whether values beside hidden cells are those of the nearest cells, which voxels are.

@@ -109,6 +109,28 @@ HWY_INLINE Vec3 FindVoxels(const PacketScene& scene, const Vec3& q)
   return scene.Grid.Uneven ? ToVoxels(scene.Grid, Copy(q)) : Copy(q);
 }
 
+/// Numbers of cells, whole numbers from -Pad on, from those beyond the grid on.
+HWY_INLINE Vi FindPaddedCells(Vf cell)
+{
+  return Truncate(hn::Add(cell, Splat(static_cast<float>(CellMask::Pad))));
+}
+
+/// Whether cells may be hidden that are at most CellMask::Nearby from some of these.
+HWY_INLINE bool MayHideNearby(const PacketGrid& grid, const Vec3& cells)
+{
+  const Di di;
+  const auto block = [](Vf cell) {
+    return hn::ShiftRight<CellMask::LogBlockSize>(FindPaddedCells(cell));
+  };
+  HWY_ALIGN int offsets[16];
+  StoreIndices(hn::Add(block(cells.x),
+                 hn::Add(hn::Mul(block(cells.y), hn::Set(di, grid.NearRow)),
+                   hn::Mul(block(cells.z), hn::Set(di, grid.NearSlice)))),
+    offsets);
+  const Vi near = hn::And(LoadLanes<int, 1>(grid.NearHidden, 0, offsets), hn::Set(di, 0xff));
+  return !hn::AllTrue(di, hn::Eq(near, hn::Zero(di)));
+}
+
 /// The bits of PacketGrid::Hidden around a cell of each lane.
 class HiddenBits
 {
@@ -118,12 +140,9 @@ public:
     : Grid(grid)
   {
     const Di di;
-    const auto padded = [&](Vf cell) {
-      return Truncate(hn::Add(cell, Splat(static_cast<float>(CellMask::Pad))));
-    };
-    const Vi x = padded(cells.x);
-    const Vi row = hn::Add(hn::Mul(padded(cells.y), hn::Set(di, grid.HiddenRow)),
-      hn::Mul(padded(cells.z), hn::Set(di, grid.HiddenSlice)));
+    const Vi x = FindPaddedCells(cells.x);
+    const Vi row = hn::Add(hn::Mul(FindPaddedCells(cells.y), hn::Set(di, grid.HiddenRow)),
+      hn::Mul(FindPaddedCells(cells.z), hn::Set(di, grid.HiddenSlice)));
     // The bit before that of the cell is the first one.
     const Vi first = hn::Sub(x, hn::Set(di, 1));
     this->Shift = hn::And(first, hn::Set(di, 7));
@@ -162,8 +181,10 @@ HWY_INLINE Mf IsInHiddenCell(const PacketGrid& grid, const Vec3& voxel)
     return hn::Floor(
       Clamp(hn::Add(x, Splat(grid.Margin)), hn::Zero(Df()), Splat(grid.LastCell[a])));
   };
-  const HiddenBits bits(grid, { cell(voxel.x, 0), cell(voxel.y, 1), cell(voxel.z, 2) });
-  return HasBits(bits.Row(0, 0), OwnBit);
+  const Vec3 cells{ cell(voxel.x, 0), cell(voxel.y, 1), cell(voxel.z, 2) };
+  return HWY_LIKELY(!MayHideNearby(grid, cells))
+    ? hn::FirstN(Df(), 0)
+    : HasBits(HiddenBits(grid, cells).Row(0, 0), OwnBit);
 }
 
 /// Where scalars on the grid of a mask are looked up.
@@ -210,7 +231,12 @@ HWY_NOINLINE inline Vec3 FindMovedVoxels(const PacketScene& scene, const Vec3& q
   const auto floor = [&](Vf x, int a) {
     return hn::Floor(Clamp(x, Splat(-1.0f), Splat(grid.LastCell[a])));
   };
-  const HiddenBits bits(grid, { floor(voxel.x, 0), floor(voxel.y, 1), floor(voxel.z, 2) });
+  const Vec3 cells{ floor(voxel.x, 0), floor(voxel.y, 1), floor(voxel.z, 2) };
+  if (HWY_LIKELY(!MayHideNearby(grid, cells)))
+  {
+    return voxel;
+  }
+  const HiddenBits bits(grid, cells);
   const Mf touches =
     HasBits(hn::Or(hn::Or(bits.Row(0, 0), bits.Row(1, 0)), hn::Or(bits.Row(0, 1), bits.Row(1, 1))),
       CornerBits);
@@ -351,6 +377,10 @@ HWY_NOINLINE inline bool FindShownEnds(
     return hn::Floor(Clamp(x, hn::Zero(d), Splat(grid.LastCell[a])));
   };
   Vec3 cell{ floor(voxel.x, 0), floor(voxel.y, 1), floor(voxel.z, 2) };
+  if (HWY_LIKELY(!MayHideNearby(grid, cell)))
+  {
+    return false;
+  }
   const HiddenBits bits(grid, cell);
   // Sides of cells that are hidden.
   Mf before[3];
