@@ -94,6 +94,12 @@ vtkFFDLatticeWidget::vtkFFDLatticeWidget()
     vtkCommand::MouseMoveEvent, vtkWidgetEvent::Move, this, vtkFFDLatticeWidget::MoveAction);
   mapper->SetCallbackMethod(
     vtkCommand::LeaveEvent, LeaveWindow, this, vtkFFDLatticeWidget::LeaveAction);
+  for (const unsigned long event :
+    { vtkCommand::RightButtonPressEvent, vtkCommand::RightButtonReleaseEvent,
+      vtkCommand::MiddleButtonPressEvent, vtkCommand::MiddleButtonReleaseEvent })
+  {
+    mapper->SetCallbackMethod(event, OtherButton, this, vtkFFDLatticeWidget::OtherButtonAction);
+  }
   mapper->SetCallbackMethod(vtkCommand::MouseWheelForwardEvent, IncreaseRadius, this,
     vtkFFDLatticeWidget::KeyAction<IncreaseRadius>);
   mapper->SetCallbackMethod(vtkCommand::MouseWheelBackwardEvent, DecreaseRadius, this,
@@ -566,6 +572,18 @@ void vtkFFDLatticeWidget::LeaveAction(vtkAbstractWidget* widget)
   if (rep->GetMTime() != before)
   {
     self->Render();
+  }
+}
+
+//------------------------------------------------------------------------------
+/// In the middle of a drag other buttons do nothing: the interactor style would take the focus, and
+/// with it the event that ends the drag.
+void vtkFFDLatticeWidget::OtherButtonAction(vtkAbstractWidget* widget)
+{
+  const vtkSmartPointer<vtkFFDLatticeWidget> self(Keep(widget));
+  if (self->Dragging)
+  {
+    self->EventCallbackCommand->SetAbortFlag(1);
   }
 }
 

@@ -143,7 +143,8 @@ public:
     RedoEdit,
     CancelDrag,
     ConsumeCharacter, ///< keeps a key that was used from the interactor style
-    LeaveWindow
+    LeaveWindow,
+    OtherButton
   };
 
   /**
@@ -170,6 +171,7 @@ protected:
   static void EndSelectAction(vtkAbstractWidget* widget);
   static void MoveAction(vtkAbstractWidget* widget);
   static void LeaveAction(vtkAbstractWidget* widget);
+  static void OtherButtonAction(vtkAbstractWidget* widget);
   static void CharacterAction(vtkAbstractWidget* widget);
   template <int WidgetEvent>
   static void KeyAction(vtkAbstractWidget* widget);

@@ -375,6 +375,31 @@ class TestWidget(unittest.TestCase):
                 self.assertLessEqual(abs(self.display(2, 2, 2)[0] - after[0]), 1)
                 self.assertGreater(self.display(2, 2, 2)[1], y + 20)
 
+    def test_other_buttons_in_a_drag(self):
+        """They neither move the camera nor keep the drag from its end."""
+        for button in ("Right", "Middle"):
+            with self.subTest(button=button):
+                x, y = self.display(3, 3, 3)
+                camera = self.renderer.GetActiveCamera().GetPosition()
+                self.send("MouseMoveEvent", x, y)
+                self.send("LeftButtonPressEvent", x, y)
+                self.send("MouseMoveEvent", x - 10, y - 10)
+                self.send(button + "ButtonPressEvent", x - 10, y - 10)
+                self.send("MouseMoveEvent", x - 20, y - 10)
+                moved = self.display(3, 3, 3)
+                self.assertEqual(moved, [x - 20, y - 10])
+                self.send("LeftButtonReleaseEvent", x - 20, y - 10)
+                self.assertEqual(self.widget.IsInteracting(), 0)
+                self.send(button + "ButtonReleaseEvent", x - 20, y - 10)
+                self.send("MouseMoveEvent", x - 60, y - 60)
+                self.assertEqual(self.display(3, 3, 3), moved)
+                self.assertEqual(self.renderer.GetActiveCamera().GetPosition(), camera)
+                # Without a drag they are the camera's, as ever.
+                self.send(button + "ButtonPressEvent", 5, 5)
+                self.send("MouseMoveEvent", 25, 40)
+                self.send(button + "ButtonReleaseEvent", 25, 40)
+                self.assertNotEqual(self.renderer.GetActiveCamera().GetPosition(), camera)
+
     def test_another_lattice_in_a_drag(self):
         """An observer that gives the lattice, or another one, more points or fewer ends the drag."""
         def resize(size):
