@@ -26,15 +26,19 @@
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkTransform.h"
+#include "vtkUTF8TextCodec.h"
 #include "vtkXMLImageDataReader.h"
 
 #include "vtksys/SystemTools.hxx"
 
 #include <glm/matrix.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <new>
+#include <sstream>
+#include <string>
 
 vtkStandardNewMacro(vtkFFDTransformReader);
 vtkFFDGuardedProcessRequestMacro(vtkFFDTransformReader);
@@ -62,6 +66,19 @@ void CollectError(vtkObject*, unsigned long, void* clientData, void* callData)
     const std::size_t colon = text.find("): ");
     text = colon == std::string::npos ? text : text.substr(colon + 3);
   }
+}
+
+/// A message that names what a file holds, as far as it is a text: observers in Python get no
+/// message that is not UTF-8.
+std::string MakeReadable(std::string message)
+{
+  std::istringstream bytes(message);
+  if (!vtkNew<vtkUTF8TextCodec>()->IsValid(bytes))
+  {
+    std::replace_if(
+      message.begin(), message.end(), [](unsigned char c) { return c >= 0x80; }, '?');
+  }
+  return message;
 }
 
 vtkSmartPointer<vtkImageData> MakeImage(const ffd::TransformStep& step)
@@ -442,7 +459,8 @@ void vtkFFDTransformReader::ReadAnyFile()
   {
     this->Transform = nullptr;
     this->LatticeIsMade = false;
-    vtkErrorMacro("The transform file " << this->FileName << " cannot be used: " << error << ".");
+    vtkErrorMacro(
+      "The transform file " << this->FileName << " cannot be used: " << MakeReadable(error) << ".");
     this->SetErrorCode(vtksys::SystemTools::FileExists(this->FileName)
         ? vtkErrorCode::FileFormatError
         : vtkErrorCode::FileNotFoundError);

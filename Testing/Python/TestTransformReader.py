@@ -588,6 +588,16 @@ class TestTransformReader(unittest.TestCase):
         self.assertIn(name, errors.messages[0])
         self.assertIn(expected, errors.messages[0])
 
+    def test_names_that_are_no_text(self):
+        """Of files that a file names, in Latin-1; in UTF-8 they are shown as they are."""
+        with open(os.path.join(FOLDER, "elastix_affine.txt"), "rb") as file:
+            elastix = file.read()
+        self.assertIn(b"elastix_translation.txt", elastix)
+        for name, shown in ((b"Verschiebung_\xfc.txt", "Verschiebung_?.txt"),
+                            ("Verschiebung_\u00fc.txt".encode(), "Verschiebung_\u00fc.txt")):
+            self.check_refused(
+                "elastix_affine.txt", elastix.replace(b"elastix_translation.txt", name), shown)
+
     def test_byte_order_marks(self):
         """Editors of Windows put one in front of UTF-8 and UTF-16."""
         with open(os.path.join(FOLDER, "elastix_oblique.txt"), "rb") as file:
