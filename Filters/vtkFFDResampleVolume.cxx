@@ -161,8 +161,8 @@ struct BoundedMap
 ffd::Made MakeBoundedMap(BoundedMap& result, ffd::StageTools&,
   const ffd::Product<ffd::DeformationField>& field, ffd::InverseMode mode, double tolerance)
 {
-  result.Map =
-    ffd::PullBack(&field->Field, ffd::FindPullBackKind(mode, field->Inverted), tolerance);
+  result.Map = ffd::PullBack(
+    &field->Field, ffd::FindPullBackKind(mode, field->Inverted), tolerance, field->Domain);
   result.Bounds.Update(result.Map);
   constexpr double large = 1e300;
   result.Displacements = result.Bounds.DisplacementOver({ glm::dvec3(-large), glm::dvec3(large) });

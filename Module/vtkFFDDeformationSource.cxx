@@ -13,10 +13,12 @@
 #include "vtkBSplineTransform.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
+#include "vtkMath.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -28,6 +30,8 @@ namespace
 constexpr int ProbesPerSide = 9;
 /// Margin around where a transform moves the volume, as a fraction of its size along each axis.
 constexpr double RegionMargin = 0.1;
+/// Residual of an inverse that counts as found, as a fraction of the diagonal of the volume.
+constexpr double LargestResidual = 1e-3;
 /// Margin around a volume where what happens in it alone matters, as a fraction of its longest
 /// edge: positions that T^-1 is interpolated between lie there.
 constexpr double MarginAtRest = 0.15;
@@ -45,38 +49,58 @@ ffd::Box MakeRegion(const vtkBoundingBox& box)
   return region;
 }
 
-/// The box over which a lattice stands for a transform and its inverse, also where they move an
-/// image to.
-ffd::Box FindMovedRegion(vtkAbstractTransform* transform, const std::array<double, 6>& bounds)
+vtkBoundingBox Inflate(vtkBoundingBox box)
 {
-  vtkBoundingBox box(bounds.data());
-  vtkAbstractTransform* const directions[2] = { transform, transform->GetInverse() };
-  for (vtkAbstractTransform* direction : directions)
-  {
-    for (int i = 0; i < ProbesPerSide * ProbesPerSide * ProbesPerSide; ++i)
-    {
-      const int index[3] = { i % ProbesPerSide, i / ProbesPerSide % ProbesPerSide,
-        i / (ProbesPerSide * ProbesPerSide) };
-      double p[3];
-      for (int a = 0; a < 3; ++a)
-      {
-        p[a] = bounds[2 * a] + (bounds[2 * a + 1] - bounds[2 * a]) * index[a] / (ProbesPerSide - 1);
-      }
-      direction->TransformPoint(p, p);
-      if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))
-      {
-        box.AddPoint(p);
-      }
-    }
-  }
   box.Inflate(RegionMargin * box.GetLength(0), RegionMargin * box.GetLength(1),
     RegionMargin * box.GetLength(2));
-  return MakeRegion(box);
+  return box;
 }
 
-/// Fits a lattice to a transform as asked for; `error`: the largest one, data units.
+/// Where a transform moves points of a volume to.
+struct MovedBox
+{
+  vtkBoundingBox Box;
+  bool IsInverse = true; ///< whether another transform is known to move all of them back
+};
+
+/// Moves points of a volume by a transform, and back by another one.
+MovedBox FindMovedBox(
+  const std::array<double, 6>& bounds, vtkAbstractTransform* transform, vtkAbstractTransform* back)
+{
+  MovedBox moved;
+  const double largest = LargestResidual * vtkBoundingBox(bounds.data()).GetDiagonalLength();
+  for (int i = 0; i < ProbesPerSide * ProbesPerSide * ProbesPerSide; ++i)
+  {
+    const int index[3] = { i % ProbesPerSide, i / ProbesPerSide % ProbesPerSide,
+      i / (ProbesPerSide * ProbesPerSide) };
+    double p[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      p[a] = bounds[2 * a] + (bounds[2 * a + 1] - bounds[2 * a]) * index[a] / (ProbesPerSide - 1);
+    }
+    double to[3];
+    transform->TransformPoint(p, to);
+    const bool isFinite = std::isfinite(to[0]) && std::isfinite(to[1]) && std::isfinite(to[2]);
+    if (isFinite)
+    {
+      moved.Box.AddPoint(to);
+    }
+    if (isFinite && moved.IsInverse)
+    {
+      back->TransformPoint(to, to);
+    }
+    // False for what is not a number, too.
+    moved.IsInverse =
+      moved.IsInverse && isFinite && vtkMath::Distance2BetweenPoints(to, p) <= largest * largest;
+  }
+  return moved;
+}
+
+/// Fits a lattice to a transform as asked for; `error`: the largest one, data units; `domain`: see
+/// DeformationField.
 ffd::FitStatus FitLattice(vtkAbstractTransform* transform, const ffd::FitRequest& request,
-  const ffd::ParallelFor& parallelFor, ffd::Lattice& lattice, double& error)
+  const ffd::ParallelFor& parallelFor, ffd::Lattice& lattice, double& error,
+  std::optional<ffd::Box>& domain)
 {
   using ffd::FitStatus;
   const ffd::DisplacementSampler sample = vtkFFDMakeTransformSampler(transform, parallelFor);
@@ -85,7 +109,18 @@ ffd::FitStatus FitLattice(vtkAbstractTransform* transform, const ffd::FitRequest
   const int mostCells = limits.MaximumCells;
   if (!request.AtRest)
   {
-    return lattice.Fit(FindMovedRegion(transform, request.Bounds), sample, limits, error);
+    // It stands for the transform and its inverse, also where they move the image to.
+    vtkAbstractTransform* const inverse = transform->GetInverse();
+    const MovedBox forward = FindMovedBox(request.Bounds, transform, inverse);
+    const MovedBox backward = FindMovedBox(request.Bounds, inverse, transform);
+    vtkBoundingBox all(request.Bounds.data());
+    all.AddBox(forward.Box);
+    all.AddBox(backward.Box);
+    if (backward.IsInverse)
+    {
+      domain = MakeRegion(Inflate(backward.Box));
+    }
+    return lattice.Fit(MakeRegion(Inflate(all)), sample, limits, error);
   }
   const vtkBoundingBox bounds(request.Bounds.data());
   vtkBoundingBox wider(bounds);
@@ -134,6 +169,7 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
   BSplineField field;
   bool inverted = false;
   double error = 0.0;
+  std::optional<Box> domain;
   std::string reason;
   if (attached.Object)
   {
@@ -153,8 +189,8 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
   {
     const std::string name = source.Object->GetClassName();
     Lattice lattice;
-    const bool finite =
-      FitLattice(source.Object, *fit, tools.Parallel, lattice, error) != FitStatus::NotFinite;
+    const bool finite = FitLattice(source.Object, *fit, tools.Parallel, lattice, error, domain) !=
+      FitStatus::NotFinite;
     reason = finite ? lattice.FindProblem() : "it gives points that are not finite";
     if (!reason.empty())
     {
@@ -181,13 +217,15 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
     return Made::Not;
   }
   // An image with a lattice may be new for other reasons.
-  if (inverted == result.Inverted && error == result.Error && field == result.Field)
+  if (inverted == result.Inverted && error == result.Error && domain == result.Domain &&
+    field == result.Field)
   {
     return Made::Same;
   }
   result.Field = std::move(field);
   result.Inverted = inverted;
   result.Error = error;
+  result.Domain = domain;
   return Made::Anew;
 }
 

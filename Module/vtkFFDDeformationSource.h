@@ -13,6 +13,8 @@
 
 #include "vtkFFDCoreModule.h" // For export macro
 
+#include "Bounds/FFDBox.h"
+
 #include "FFDBSplineField.h"
 #include "FFDStage.h"
 
@@ -33,6 +35,9 @@ struct DeformationField
   BSplineField Field;
   bool Inverted = false; ///< the deformation is the inverse of the field's map
   double Error = 0.0;    ///< largest distance of a transform from its approximation, data units
+  /// Of a transform that is approximated, a box that holds all that it moves into the image, see
+  /// PullBack; none where that is not known.
+  std::optional<Box> Domain;
 };
 
 /// Where and how closely a transform is approximated.

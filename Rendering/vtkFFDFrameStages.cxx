@@ -53,7 +53,8 @@ public:
     {
       Entry known = each.lock();
       if (known && known->Map.GetKind() == map.GetKind() &&
-        known->Map.GetTolerance() == map.GetTolerance() && known->RestBounds == rest &&
+        known->Map.GetTolerance() == map.GetTolerance() &&
+        known->Map.GetDomain() == map.GetDomain() && known->RestBounds == rest &&
         known->Field == field)
       {
         return known;
@@ -221,7 +222,8 @@ Made MakeBoundedPullBack(SharedPullBack& result, StageTools& tools,
     tools.Message = text.str();
     return Made::Not;
   }
-  const PullBack map(&field->Field, FindPullBackKind(mode, field->Inverted), tolerance);
+  const PullBack map(
+    &field->Field, FindPullBackKind(mode, field->Inverted), tolerance, field->Domain);
   if (auto known = AllPullBacks().Find(field->Field, map, rest))
   {
     result.Last = std::move(known);
@@ -229,7 +231,7 @@ Made MakeBoundedPullBack(SharedPullBack& result, StageTools& tools,
   }
   const auto made = std::make_shared<BoundedPullBack>();
   made->Field = field->Field;
-  made->Map = PullBack(&made->Field, map.GetKind(), tolerance);
+  made->Map = PullBack(&made->Field, map.GetKind(), tolerance, map.GetDomain());
   made->RestBounds = rest;
   if (result.Last)
   {

@@ -29,6 +29,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -639,6 +640,13 @@ int vtkFFDInverseRayVolumeMapper::GetRestPosition(const double deformed[3], doub
   if (!this->MakeProbeView(view))
   {
     return 0;
+  }
+  const std::optional<ffd::Box>& domain = view.Map.GetDomain();
+  if (this->Deformation && domain && !domain->Contains(p))
+  {
+    // Beyond it the approximation of the transform may be far off.
+    this->Deformation->TransformPoint(deformed, rest);
+    return 1;
   }
   const glm::dvec3 q =
     ffd::SurfaceSearch(view.Volume, view.Map, p, glm::dvec3(0.0), view.OneToOne).Evaluate(0.0).Rest;

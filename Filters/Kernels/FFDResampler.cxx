@@ -411,6 +411,11 @@ public:
       row.X[i] += start.x + m[0].x * at;
       row.Y[i] += start.y + m[0].y * at;
       row.Z[i] += start.z + m[0].z * at;
+      if (map.GetDomain() &&
+        !map.GetDomain()->Contains(this->Owner.Grid.ToData(glm::dvec3(at, j, k))))
+      {
+        row.X[i] = std::numeric_limits<double>::infinity();
+      }
     }
   }
 

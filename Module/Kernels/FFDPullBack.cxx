@@ -201,10 +201,12 @@ PullBackKind FindPullBackKind(InverseMode mode, bool inverted)
 }
 
 //------------------------------------------------------------------------------
-PullBack::PullBack(const BSplineField* field, PullBackKind kind, double tolerance)
+PullBack::PullBack(
+  const BSplineField* field, PullBackKind kind, double tolerance, const std::optional<Box>& domain)
   : Field(field)
   , Kind(kind)
   , Tolerance(tolerance)
+  , Domain(kind == PullBackKind::Forward ? domain : std::nullopt)
 {
 }
 

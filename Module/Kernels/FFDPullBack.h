@@ -3,11 +3,15 @@
 #ifndef FFDPullBack_h
 #define FFDPullBack_h
 
+#include "Bounds/FFDBox.h"
+
 #include "FFDBSplineField.h"
 #include "FFDExport.h"
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+
+#include <optional>
 
 namespace ffd
 {
@@ -62,12 +66,16 @@ class FFD_CORE_EXPORT PullBack
 public:
   PullBack() = default;
   /// `tolerance`: largest distance |T(Q) - P| of a converged point, data units, > 0. Only for the
-  /// kinds that invert T. `field` is kept by pointer and must outlive this object.
-  PullBack(const BSplineField* field, PullBackKind kind, double tolerance);
+  /// kinds that invert T. `field` is kept by pointer and must outlive this object. `domain`: of the
+  /// kind Forward alone, a box beyond which nothing comes from the volume, whatever the field is
+  /// there; none: the field tells everywhere.
+  PullBack(const BSplineField* field, PullBackKind kind, double tolerance,
+    const std::optional<Box>& domain = std::nullopt);
 
   PullBackKind GetKind() const { return this->Kind; }
   const BSplineField* GetField() const { return this->Field; }
   double GetTolerance() const { return this->Tolerance; }
+  const std::optional<Box>& GetDomain() const { return this->Domain; }
 
   /// True when Phi is exactly the identity (no field, or one of zeros).
   bool IsIdentity() const { return this->Field == nullptr || this->Field->IsZero(); }
@@ -85,6 +93,7 @@ private:
   const BSplineField* Field = nullptr;
   PullBackKind Kind = PullBackKind::Exact;
   double Tolerance = 1e-3;
+  std::optional<Box> Domain;
 };
 
 /**

@@ -485,6 +485,77 @@ class TestVolumeFilters(unittest.TestCase):
             back = transform.GetInverse().TransformPoint(transform.TransformPoint(p))
             np.testing.assert_allclose(back, p, atol=1e-12)
 
+    def test_transforms_that_turn_far(self):
+        """What lies beyond where a pull-back leads into the volume does not show it once more."""
+        half = 10
+        image = make_volume(2 * half + 1)
+        image.SetOrigin(-half, -half, -half)
+        prop = vtkVolumeProperty()
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(40, 0.05)
+        opacity.AddPoint(170, 0.3)
+        prop.SetScalarOpacity(opacity)
+        color = vtkColorTransferFunction()
+        color.AddRGBPoint(40, 1.0, 0.4, 0.0)
+        color.AddRGBPoint(170, 0.0, 0.6, 1.0)
+        prop.SetColor(color)
+        prop.SetInterpolationTypeToLinear()
+        for name, angle, scale in (("half a turn", 180, (1, 1, 1)), ("turn", 120, (1, 1, 1)),
+                                   ("mirror", 0, (-1, 1, 1)), ("flip", 180, (2, 1, 1))):
+            with self.subTest(transform=name):
+                transform = vtkTransform()
+                transform.Translate(3, 2, -1)
+                transform.RotateZ(angle)
+                transform.Scale(scale)
+                self.check_turned(image, prop, transform)
+
+    def check_turned(self, image, prop, transform):
+        mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+        mapper.SetDeformation(transform)
+        mapper.SetInverseModeToPullBack()
+        plain = vtkffd.vtkFFDInverseRayVolumeMapper()
+        inverse = vtkMatrix4x4()
+        vtkMatrix4x4.Invert(transform.GetMatrix(), inverse)
+        pictures = []
+        volumes = []
+        for each, matrix in ((plain, inverse), (mapper, vtkMatrix4x4())):
+            each.SetInputData(image)
+            volume = vtkVolume()
+            volume.SetMapper(each)
+            volume.SetProperty(prop)
+            volume.SetUserMatrix(matrix)
+            renderer = vtkRenderer()
+            renderer.AddVolume(volume)
+            renderer.ResetCamera(-40, 40, -40, 40, -40, 40)
+            picture = vtkImageData()
+            self.assertEqual(each.RenderToImage(renderer, volume, 80, 80, picture), 1)
+            pictures.append(vtk_to_numpy(picture.GetPointData().GetScalars()).astype(float))
+            volumes.append(volume)
+        self.assertGreater(pictures[0][:, 3].max(), 50.0)
+        self.assertLess(np.abs(pictures[0] - pictures[1]).mean(), 0.3)
+        wanted = np.array(volumes[0].GetBounds())
+        size = (wanted[1::2] - wanted[::2]).repeat(2)
+        self.assertTrue(np.all(np.abs(volumes[1].GetBounds() - wanted) < 0.15 * size))
+
+        filtered = vtkffd.vtkFFDResampleVolume()
+        filtered.SetInputData(image)
+        filtered.SetDeformation(transform)
+        filtered.SetInverseModeToPullBack()
+        filtered.SetBackgroundLevel(-1000.0)
+        filtered.SetOutputExtent(-60, 80, -60, 80, -20, 40)
+        filtered.Update()
+        resampled = filtered.GetOutput()
+        found = vtk_to_numpy(resampled.GetPointData().GetScalars()) > -999.0
+        k, j, i = np.unravel_index(np.flatnonzero(found), resampled.GetDimensions()[::-1])
+        places = np.stack([i - 60, j - 60, k - 20], axis=1) + np.array(image.GetOrigin())
+        self.assertGreater(len(places), 100)
+        for place in places[::97]:
+            self.assertLess(np.abs(transform.TransformPoint(*place)).max(), 10.1)
+        rest = [0.0] * 3
+        for place in ((60.0, 60.0, 0.0), (-70.0, 3.0, 50.0), (2.0, 1.0, 0.0)):
+            self.assertEqual(mapper.GetRestPosition(place, rest), 1)
+            self.assertLess(np.abs(np.subtract(rest, transform.TransformPoint(place))).max(), 0.1)
+
     def test_ray_tracer_follows_equation_3(self):
         mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
         mapper.SetInputData(self.image)

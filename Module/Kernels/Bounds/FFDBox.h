@@ -28,6 +28,12 @@ struct Box
       this->Min.x <= this->Max.x && this->Min.y <= this->Max.y && this->Min.z <= this->Max.z);
   }
 
+  bool Contains(const glm::dvec3& p) const
+  {
+    return p.x >= this->Min.x && p.y >= this->Min.y && p.z >= this->Min.z && p.x <= this->Max.x &&
+      p.y <= this->Max.y && p.z <= this->Max.z;
+  }
+
   /// Becomes the smallest box that contains both. One that is empty must be Empty().
   void Include(const Box& other)
   {

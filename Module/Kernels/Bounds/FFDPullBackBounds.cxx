@@ -229,6 +229,7 @@ std::size_t PullBackBounds::Update(const PullBack& pullBack, const ParallelFor& 
   this->Field = pullBack.IsIdentity() ? nullptr : pullBack.GetField();
   this->Kind = pullBack.GetKind();
   this->Tolerance = pullBack.GetTolerance();
+  this->Domain = pullBack.GetDomain();
   this->ProvenInvertible = true;
   if (!this->Field || !InvertsTheField(this->Kind))
   {
@@ -549,7 +550,11 @@ Box PullBackBounds::DeformedBounds(const Box& rest, const ParallelFor& parallelF
     case PullBackKind::FirstOrder:
       return this->Preimage(rest, -1.0, parallelFor);
     case PullBackKind::Forward:
-      return this->Preimage(rest, 1.0, parallelFor);
+    {
+      const Box box = this->Preimage(rest, 1.0, parallelFor);
+      const Box known = this->Domain ? Intersect(box, *this->Domain) : box;
+      return known.IsEmpty() ? Box::Empty() : known;
+    }
     case PullBackKind::Exact:
       // A converged Q has T(Q) within the tolerance of P.
       return grow(FindForwardImage(*this->Field, rest), this->Tolerance);

@@ -62,7 +62,7 @@ public:
    * A box that contains every deformed point P with Phi(P) inside `rest`: the bounds of the
    * deformed object. Exact: the image of `rest` under T, tight. The other kinds: sub-cells whose
    * Phi cannot reach `rest` are excluded. Points whose inverse does not converge do not count.
-   * Conservative, never too small; empty when `rest` is.
+   * Conservative, never too small; empty when `rest` is. Within PullBack::GetDomain().
    */
   Box DeformedBounds(const Box& rest, const ParallelFor& parallelFor = ParallelFor()) const;
 
@@ -98,6 +98,7 @@ private:
   const BSplineField* Field = nullptr; // null: the identity
   PullBackKind Kind = PullBackKind::Exact;
   double Tolerance = 0.0;
+  std::optional<Box> Domain; // of the pull-back
   bool ProvenInvertible = true;
 
   // For kinds that invert T, a bound of the norm of the inverse of J_T for each cell of the
