@@ -402,6 +402,19 @@ TEST(SampleClassifier, TransparentPlanesAreTransparentOverTheirSecondAxis)
   EXPECT_EQ(plane.Lookup(NaN, 0.9).a, 0.0f);
 }
 
+TEST(SampleClassifier, EqualTexelsOfAPlaneAreThoseBetweenThem)
+{
+  // Rounding errors would be differences of the opacity, and so directions of normals.
+  const std::vector<float> texels(4 * 5 * 3, 0.8f);
+  const TransferPlane plane(5, 3, texels.data(), { 0.0, 0.0 }, { 5.0, 1.0 }, false);
+  RandomLattice random(6);
+  for (int i = 0; i < 1000; ++i)
+  {
+    const glm::vec4 texel = plane.Lookup(random.Number(0.0, 5.0), random.Number(0.0, 1.0));
+    ASSERT_EQ(texel, glm::vec4(0.8f));
+  }
+}
+
 TEST(SampleClassifier, LabelsReplaceOrBlend)
 {
   const Components volume(glm::ivec3(4), 1, [](int, const glm::dvec3&) { return 0.5; });

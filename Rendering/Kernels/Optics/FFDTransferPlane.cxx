@@ -78,8 +78,13 @@ glm::vec4 TransferPlane::Lookup(double x, double y) const
   const int i = static_cast<int>(u);
   const int j = static_cast<int>(v);
   const float fx = static_cast<float>(u - i);
-  return glm::mix(glm::mix(texel(i, j), texel(i + 1, j), fx),
-    glm::mix(texel(i, j + 1), texel(i + 1, j + 1), fx), static_cast<float>(v - j));
+  // Between equal texels exactly these: differences of opacities are zero there, not rounding
+  // errors that would give normals.
+  const auto between = [](const glm::vec4& a, const glm::vec4& b, float part) {
+    return a + part * (b - a);
+  };
+  return between(between(texel(i, j), texel(i + 1, j), fx),
+    between(texel(i, j + 1), texel(i + 1, j + 1), fx), static_cast<float>(v - j));
 }
 
 //------------------------------------------------------------------------------
