@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "FFDGridIndex.h"
 #include "Optics/FFDLabelBlocks.h"
 #include "TestVolume.h"
 
@@ -8,6 +7,7 @@
 
 #include <glm/common.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -7,7 +7,6 @@
 
 #include <glm/common.hpp>
 
-#include <algorithm>
 #include <type_traits>
 
 namespace ffd

@@ -122,13 +122,10 @@ HWY_INLINE bool MayHideNearby(const PacketGrid& grid, const Vec3& cells)
   const auto block = [](Vf cell) {
     return hn::ShiftRight<CellMask::LogBlockSize>(FindPaddedCells(cell));
   };
-  HWY_ALIGN int offsets[16];
-  StoreIndices(hn::Add(block(cells.x),
-                 hn::Add(hn::Mul(block(cells.y), hn::Set(di, grid.NearRow)),
-                   hn::Mul(block(cells.z), hn::Set(di, grid.NearSlice)))),
-    offsets);
-  const Vi near = hn::And(LoadLanes<int, 1>(grid.NearHidden, 0, offsets), hn::Set(di, 0xff));
-  return !hn::AllTrue(di, hn::Eq(near, hn::Zero(di)));
+  const Vi index = hn::Add(block(cells.x),
+    hn::Add(hn::Mul(block(cells.y), hn::Set(di, grid.NearRow)),
+      hn::Mul(block(cells.z), hn::Set(di, grid.NearSlice))));
+  return !hn::AllTrue(di, hn::Eq(LoadBytes(grid.NearHidden, index), hn::Zero(di)));
 }
 
 /// The bits of PacketGrid::Hidden around a cell of each lane.

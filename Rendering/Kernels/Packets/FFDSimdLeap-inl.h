@@ -54,9 +54,7 @@ HWY_INLINE Vi PeaksFrom(const ValuePeaks::Grid& grid, const Vec3& low)
   const Vi index = hn::Add(along(low.x, 0),
     hn::Mul(hn::Set(di, grid.Size.x),
       hn::Add(along(low.y, 1), hn::Mul(hn::Set(di, grid.Size.y), along(low.z, 2)))));
-  HWY_ALIGN int offsets[16];
-  StoreIndices(index, offsets);
-  return hn::And(LoadLanes<int, 1>(grid.Codes.data(), 0, offsets), hn::Set(di, 0xff));
+  return LoadBytes(grid.Codes.data(), index);
 }
 
 /// The steps that points take to move by an index unit up and down along each axis, at least.

@@ -61,9 +61,7 @@ HWY_INLINE Vi LoadBlockLabels(const PacketMask& mask, const MaskVoxels& voxels)
   const Vi index = hn::Add(block(voxels.X),
     hn::Add(hn::Mul(block(voxels.Y), hn::Set(di, mask.BlocksPerRow)),
       hn::Mul(block(voxels.Z), hn::Set(di, mask.BlocksPerSlice))));
-  HWY_ALIGN int offsets[16];
-  StoreIndices(index, offsets);
-  return hn::And(LoadLanes<int, 1>(mask.Blocks, 0, offsets), hn::Set(di, 0xff));
+  return LoadBytes(mask.Blocks, index);
 }
 
 /// Returns function(scalar of the mask at the voxel nearest to q) of each lane, its label; 0

@@ -257,6 +257,14 @@ HWY_INLINE void StoreIndices(Vi indices, int (&to)[16])
 #endif
 }
 
+/// The bytes at places, a whole number a lane; three more may be read behind the last one.
+HWY_INLINE Vi LoadBytes(const std::uint8_t* bytes, Vi places)
+{
+  HWY_ALIGN int offsets[16];
+  StoreIndices(places, offsets);
+  return hn::And(LoadLanes<int, 1>(bytes, 0, offsets), hn::Set(Di(), 0xff));
+}
+
 /// Whether a number is the same in all lanes.
 HWY_INLINE bool IsCommon(Vi numbers)
 {
