@@ -355,6 +355,24 @@ MUTANTS = (
         "if (prop != volume && prop->GetVisibility())",
         "if (prop == volume && !prop->GetVisibility())",
         cxx("MapperWindow")),
+    Mutant(
+        "rays far apart: a leap goes a sample too far",
+        "index",
+        "number = hn::Add(number, steps);",
+        "number = hn::Add(number, hn::Add(steps, one));",
+        python("PacketLooks")),
+    Mutant(
+        "labels: blocks of several are taken for one",
+        "bound",
+        "hn::AllFalse(di, hn::Eq(labels, hn::Set(di, LabelBlocks::Mixed)))",
+        "hn::AllFalse(di, hn::Eq(labels, hn::Set(di, LabelBlocks::Mixed + 1)))",
+        cxx("Masks") + python("PacketLooks")),
+    Mutant(
+        "bounds of a pull-back by T itself: its domain is forgotten",
+        "bound",
+        "const Box known = this->Domain ? Intersect(box, *this->Domain) : box;",
+        "const Box known = box;",
+        python("VolumeFilters")),
     # Widgets.
     Mutant(
         "drag along an axis: the line of sight is not projected",

@@ -183,6 +183,91 @@ class TestPacketLooks(unittest.TestCase):
                 means.append(numpy.abs(pictures[0] - pictures[1]).mean())
         self.assertLess(numpy.mean(means), 0.16, means)
 
+    def test_rays_far_apart(self):
+        """They share no queries: each goes on to its next sample that may be visible by itself."""
+        size = 130
+        z, y, x = numpy.mgrid[0:size, 0:size, 0:size] / 6.0
+        field = numpy.clip(0.5 + 0.25 * (numpy.sin(x) * numpy.cos(y) + numpy.sin(y) * numpy.cos(z)
+                                         + numpy.sin(z) * numpy.cos(x)), 0.0, 1.0)
+        values = (255 * field).astype("u1")
+        second = values[:, ::-1, :]
+        labels = ((x > 10) + 2 * (y > 9)).astype("u1")
+
+        def image(*components):
+            made = vtkImageData()
+            made.SetDimensions(size, size, size)
+            stacked = numpy.stack([each.ravel() for each in components], axis=1)
+            made.GetPointData().SetScalars(numpy_to_vtk(stacked, deep=True))
+            return made
+
+        def crop(mapper, _prop):
+            mapper.CroppingOn()
+            mapper.SetCroppingRegionPlanes(20.3, 100.2, 10.4, 110.6, 30.1, 120.7)
+
+        def clip(mapper, _prop):
+            plane = vtkPlane()
+            plane.SetOrigin(60.0, 66.0, 70.0)
+            plane.SetNormal(1.0, 0.4, -0.3)
+            mapper.AddClippingPlane(plane)
+
+        def pair(mapper, _prop):
+            mapper.SetInputData(image(values, second))
+
+        def dependent(mapper, prop):
+            mapper.SetInputData(image(second, values))
+            prop.IndependentComponentsOff()
+
+        def label(mapper, prop):
+            mapper.SetMaskInput(image(labels))
+            mapper.SetMaskTypeToLabelMap()
+            prop.SetLabelScalarOpacity(2, points((150, 0.0), (200, 0.7)))
+
+        def gradient(_mapper, prop):
+            prop.SetGradientOpacity(points((3, 0.0), (12, 1.0)))
+
+        def pre_integrate(mapper, _prop):
+            mapper.SetClassificationToPreIntegrated()
+
+        for option, deformed in itertools.product(
+                (lambda *_: None, crop, clip, pair, dependent, label, gradient, pre_integrate),
+                (False, True)):
+            with self.subTest(option=option.__name__, deformed=deformed):
+                _, mapper, prop, volume = self.make("u1", False)
+                mapper.SetInputData(image(values))
+                mapper.SetPositionTolerance(0.01)
+                for component in range(2):
+                    prop.SetShade(component, 1)
+                    prop.SetScalarOpacity(component, points((140, 0.0), (170, 0.4), (255, 0.5)))
+                    prop.SetColor(component, prop.GetRGBTransferFunction(0))
+                option(mapper, prop)
+                if deformed:
+                    source = vtkffd.vtkFFDLatticeSource()
+                    source.SetBounds(mapper.GetInput().GetBounds())
+                    source.SetShape(source.TWIST)
+                    source.SetStrength(0.4)
+                    source.Update()
+                    mapper.SetDeformation(source.GetLattice())
+                renderer = vtkRenderer()
+                renderer.AddVolume(volume)
+                camera = renderer.GetActiveCamera()
+                camera.SetPosition(0.5, 0.7, 1.0)
+                renderer.ResetCamera()
+                pictures = []
+                # Rays are 10 to 20 voxels apart.
+                for reference in (False, True):
+                    mapper.SetReferenceKernels(reference)
+                    both = []
+                    for pixels in (11, 20):
+                        out = vtkImageData()
+                        self.assertEqual(
+                            mapper.RenderToImage(renderer, volume, pixels, pixels, out), 1)
+                        both.append(vtk_to_numpy(out.GetPointData().GetScalars()).astype(float))
+                    pictures.append(numpy.concatenate(both))
+                self.assertGreater((pictures[1][:, 3] > 20).mean(), 0.1)
+                difference = numpy.abs(pictures[0] - pictures[1]).max(axis=1)
+                self.assertLess(difference.mean(), 0.6)
+                self.assertLess(numpy.percentile(difference, 97), 4.0)
+
     def test_planes(self):
         for kind, deformed, nearest in itertools.product(
                 ("u1", "u2", "f4", "f8"), (False, True), (False, True)):

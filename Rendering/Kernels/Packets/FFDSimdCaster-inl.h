@@ -212,6 +212,10 @@ private:
   {
     PacketSegments& segments = this->Segments;
     const int block = segments.BlockIn(segment);
+    if (HWY_UNLIKELY(segment.LeapsRays) && this->CompositesSamples() && !this->Scratch.Positions)
+    {
+      return this->CastSpreadRays(segment, block, parts);
+    }
     PacketCurve curve;
     bool begun = false;
     const bool seeking = !this->Scene.Peaks.empty();
@@ -266,6 +270,64 @@ private:
       }
     }
     this->Blending.EndCurve(curve);
+  }
+
+  /**
+   * Composites parts of a segment in which single rays leap, and which are too far apart to come
+   * upon something together: each goes on to its next sample that may be visible, and then all take
+   * theirs, whichever these are.
+   */
+  HWY_NOINLINE void CastSpreadRays(TileSegment& segment, int block, const PartRange& parts)
+  {
+    const Df d;
+    const int from = std::max(
+      segment.FirstSample + parts.First * segment.SamplesPerPart, this->Segments.FirstSample);
+    const int to = std::min({ segment.FirstSample + parts.End * segment.SamplesPerPart,
+      segment.FirstSample + segment.Samples, this->Segments.EndSample });
+    PacketCurve curve;
+    this->BeginCurves(segment, block, curve);
+    PacketState& state = this->Samples.State;
+    const Vf one = Splat(1.0f);
+    const Vf first = Splat(static_cast<float>(segment.FirstSample));
+    const Vf stop = hn::Min(this->Numbers.Stop, Splat(static_cast<float>(to)));
+    Vf number = hn::Max(this->Numbers.First, Splat(static_cast<float>(from)));
+    for (;;)
+    {
+      Mf active;
+      Vf s;
+      Vec3 q;
+      for (;;)
+      {
+        active = hn::And(state.Alive, hn::Lt(number, stop));
+        s = hn::Mul(hn::Add(this->Numbers.Phase, hn::Sub(number, first)), curve.PerStep);
+        q = curve.At(this->Scene, s);
+        const Vf steps = this->Leaps.CountEmpty(curve, q, s, hn::AndNot(state.Expecting, active));
+        state.Expecting = hn::Or(state.Expecting, hn::AndNot(hn::Gt(steps, hn::Zero(d)), active));
+        if (hn::AllFalse(d, hn::Gt(steps, hn::Zero(d))))
+        {
+          break;
+        }
+        number = hn::Add(number, steps);
+      }
+      if (hn::AllFalse(d, active))
+      {
+        return;
+      }
+      state.Expecting = hn::FirstN(d, 0);
+      this->CompositeAt(curve, q, s, active, false);
+      number = hn::IfThenElse(active, hn::Add(number, one), number);
+      if (HWY_UNLIKELY(hn::AllFalse(d, state.Alive)))
+      {
+        this->EndAt(static_cast<int>(LargestLane(hn::Min(number, stop))) - 1);
+        return;
+      }
+    }
+  }
+
+  /// Whether samples are classified and composited, not intervals.
+  HWY_INLINE bool CompositesSamples() const
+  {
+    return this->Scene.Sampling == PacketSampling::Composite && !this->Scene.ClassifiesIntervals;
   }
 
   /// Takes the samples from `from` on, before `to`, of a segment whose rays do not leap. `AtFaces`:
@@ -455,55 +517,58 @@ private:
     {
       this->NotePositions(q, curve.TimeAt(s), hn::And(active, IsInside(this->Scene, q)));
     }
-    if (HWY_LIKELY(this->Scene.Options == CompositeOptions::None))
+    if (HWY_LIKELY(this->CompositesSamples()))
     {
-      if (!within)
+      return this->CompositeAt(curve, q, s, active, within);
+    }
+    if (!this->Scene.Intervals)
+    {
+      active = this->FindShown(curve, q, s, active, within);
+      if (hn::AllFalse(d, active))
       {
-        active = hn::And(active, IsInside(this->Scene, q));
-        if (hn::AllFalse(d, active))
-        {
-          return;
-        }
+        return;
       }
-      if (HWY_UNLIKELY(this->Scene.ClassifiesIntervals))
-      {
-        this->Samples.Intervals.Take(curve, n, s, active, within);
-      }
-      else
-      {
-        this->Samples.template TakeSample<CompositeOptions::None>(curve, q, s, active);
-      }
+    }
+    if (this->Scene.ClassifiesIntervals)
+    {
+      this->Samples.Intervals.Take(
+        curve, n, s, active, within && this->Scene.Options == CompositeOptions::None);
     }
     else
     {
-      const bool shown = within && this->Scene.CropSpace == Cropping::Spaces::None;
-      if (!this->Scene.Intervals && !shown)
-      {
-        active = hn::And(active, IsShown(this->Scene, this->Rays, curve, q, s));
-        if (hn::AllFalse(d, active))
-        {
-          return;
-        }
-      }
-      if (this->Scene.Sampling == PacketSampling::Composite)
-      {
-        if (this->Scene.Volume.Components > 1)
-        {
-          this->Samples.Components.Take(curve, q, s, active);
-        }
-        else if (this->Scene.ClassifiesIntervals)
-        {
-          this->Samples.Intervals.Take(curve, n, s, active, false);
-        }
-        else
-        {
-          this->Samples.template TakeSample<CompositeOptions::Any>(curve, q, s, active);
-        }
-      }
-      else
-      {
-        this->Blending.Take(curve, q, s, n, active, within);
-      }
+      this->Blending.Take(curve, q, s, n, active, within);
+    }
+  }
+
+  /// The lanes of `active` whose samples at q, the position at s of a curve, are in the volume and
+  /// not cropped; `within`: they are in the volume.
+  HWY_INLINE Mf FindShown(
+    const PacketCurve& curve, const Vec3& q, Vf s, Mf active, bool within) const
+  {
+    return within && this->Scene.CropSpace == Cropping::Spaces::None
+      ? active
+      : hn::And(active, IsShown(this->Scene, this->Rays, curve, q, s));
+  }
+
+  /// Composites samples at q, the position at s of a curve; `within` as for FindShown().
+  HWY_INLINE void CompositeAt(const PacketCurve& curve, const Vec3& q, Vf s, Mf active, bool within)
+  {
+    active = this->FindShown(curve, q, s, active, within);
+    if (hn::AllFalse(Df(), active))
+    {
+      return;
+    }
+    if (HWY_LIKELY(this->Scene.Options == CompositeOptions::None))
+    {
+      this->Samples.template TakeSample<CompositeOptions::None>(curve, q, s, active);
+    }
+    else if (this->Scene.Volume.Components > 1)
+    {
+      this->Samples.Components.Take(curve, q, s, active);
+    }
+    else
+    {
+      this->Samples.template TakeSample<CompositeOptions::Any>(curve, q, s, active);
     }
   }
 

@@ -56,11 +56,21 @@ public:
   {
     const Df d;
     active = hn::And(active, hn::Ge(number, this->SkipTo));
-    const Mf querying = hn::AndNot(expecting, active);
+    const Vf empty = this->CountEmpty(curve, q, s, hn::AndNot(expecting, active));
     expecting = hn::FirstN(d, 0);
+    const Mf leaps = hn::Gt(empty, hn::Zero(d));
+    this->SkipTo = hn::IfThenElse(leaps, hn::Add(number, empty), this->SkipTo);
+    return hn::AndNot(leaps, active);
+  }
+
+  /// Finds how many samples of the segment, from those of the lanes of `querying` at q, index
+  /// coordinates, which is s of a curve, are empty for certain; 0 for other lanes.
+  HWY_NOINLINE Vf CountEmpty(const PacketCurve& curve, const Vec3& q, Vf s, Mf querying)
+  {
+    const Df d;
     if (hn::AllFalse(d, querying))
     {
-      return active;
+      return hn::Zero(d);
     }
     const TileSegment& segment = *curve.Segment;
     float radius[3];
@@ -78,13 +88,11 @@ public:
     const Vf steps = hn::Max(cubes.CountSteps(radius, ofTile),
       hn::Min(cubes.CountSteps(radius, ofRays), Splat(static_cast<float>(FewSamples))));
     // An interval is empty only if its end lies in the cube, too.
-    const Mf empty =
-      hn::And(querying, hn::Ge(steps, this->Scene.Intervals ? Splat(1.0f) : hn::Zero(d)));
-    const Vf more = this->Scene.Intervals ? steps : hn::Add(steps, Splat(1.0f));
-    this->SkipTo = hn::IfThenElse(empty, hn::Add(number, more), this->SkipTo);
+    const Vf samples = this->Scene.Intervals ? steps : hn::Add(steps, Splat(1.0f));
+    const Mf empty = hn::And(querying, hn::Gt(samples, hn::Zero(d)));
     this->Statistics.DistanceLookups +=
       static_cast<std::int64_t>(hn::CountTrue(d, hn::And(empty, IsInside(this->Scene, q))));
-    return hn::AndNot(empty, active);
+    return hn::IfThenElseZero(empty, samples);
   }
 
 private:
