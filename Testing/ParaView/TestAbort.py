@@ -187,9 +187,10 @@ class TestAbort(unittest.TestCase):
             self.assertLess(ffd.differ(pictures["local"], pictures[name])[1], 0.5, name)
 
     def test_lost_server(self):
-        """The server is lost while a key is held, which the value below the pointer is asked of: one
-        message and ParaView's question, behind which the still frame that was to come is not asked for,
-        which would end ParaView."""
+        """The server is lost while a key is held, which the value below the pointer is asked of:
+        ParaView's question, and one message, behind which the still frame that was to come is not asked
+        for, which would end ParaView. Where the client still waits for the end of the aborted frame
+        there is the question alone: an answer that never comes is no error of the socket."""
         self.begin()
         port = ffdprocess.find_port()
         self.start_server(port, 1)
@@ -209,22 +210,21 @@ class TestAbort(unittest.TestCase):
         ffdinput.release(ffdinput.LEFT)
         self.addCleanup(ffdinput.press_key, "F7", False)  # no test after a failure is to find it held
         self.abort_by(lambda: ffdinput.press_key("F7"))
+        time.sleep(1.0)  # mostly the client has heard of the end of the frame then
         server, window = self.processes
         server.kill()
         server.wait()
         # The pointer moves and rests, as the value below it is asked for when it has rested, until the
-        # message comes, and a little longer: ParaView may have no time for the first motions, which Qt
+        # question comes, and a little longer: ParaView may have no time for the first motions, which Qt
         # drops then. It takes some seconds; what never comes is not to take all of the time that there
         # is for the tests.
         end = time.monotonic() + 240.0
-        text = ""
         step = 0
-        while time.monotonic() < end and "ERR|" not in text:
+        while time.monotonic() < end and not ffdinput.find_window("Server disconnected"):
             step += 1
             ffdinput.move(BACKGROUND[0] + 60 + step % 20, BACKGROUND[1] + 20)
             time.sleep(RESTING_TIME)
-            with open(output, encoding="utf-8") as file:
-                text = file.read()
+        self.assertTrue(ffdinput.find_window("Server disconnected"))
         for more in range(3):
             ffdinput.move(BACKGROUND[0] + 90 + more, BACKGROUND[1] + 20)
             time.sleep(0.2)
@@ -235,7 +235,7 @@ class TestAbort(unittest.TestCase):
         with open(output, encoding="utf-8") as file:
             text = file.read()
         self.assertIsNone(window.poll(), text)
-        self.assertEqual(text.count("ERR|"), 1, text)
+        self.assertLessEqual(text.count("ERR|"), 1, text)
 
     def test_views(self):
         """Two views show a coarse picture of what the user does; both are finished. The wheel in one aborts
