@@ -456,6 +456,34 @@ bool vtkFFDTransformSeries::MakeAlike()
 }
 
 //------------------------------------------------------------------------------
+/// Whether times between steps have a meaning; else an error tells why not.
+bool vtkFFDTransformSeries::CanInterpolate()
+{
+  const double last = this->GetStepTime(this->GetNumberOfSteps() - 1);
+  if (!std::isfinite(last))
+  {
+    vtkErrorMacro("The time of the last of "
+      << this->GetNumberOfSteps() << " files is not finite. Give a smaller TimeStart ("
+      << this->TimeStart << ") or TimeSpacing (" << this->TimeSpacing << ").");
+    return false;
+  }
+  const auto other = std::find_if(this->Steps.begin(), this->Steps.end(),
+    [&](const Step& step) { return step.IsPullBack != this->Steps.front().IsPullBack; });
+  if (this->PullBack && this->Interpolation == LINEAR && other != this->Steps.end())
+  {
+    const bool pulls = other->IsPullBack;
+    const std::string& name =
+      this->FileNames[static_cast<std::size_t>(other - this->Steps.begin())];
+    vtkErrorMacro("The transform file "
+      << (pulls ? name : this->FileNames.front()) << " leads from deformed positions to those at "
+      << "rest, but " << (pulls ? this->FileNames.front() : name)
+      << " the other way. Give files of one kind, or set Interpolation to STEP.");
+    return false;
+  }
+  return true;
+}
+
+//------------------------------------------------------------------------------
 int vtkFFDTransformSeries::GetLatticeAt(double time, vtkFFDLattice* lattice)
 {
   if (!lattice || !std::isfinite(time))
@@ -464,7 +492,8 @@ int vtkFFDTransformSeries::GetLatticeAt(double time, vtkFFDLattice* lattice)
       << (lattice ? "the time is not finite" : "the lattice to fill is null") << ".");
     return 0;
   }
-  if (!vtkFFDGuarded(this, "GetLatticeAt", false, [this] { return this->ReadFiles(); }))
+  if (!vtkFFDGuarded(this, "GetLatticeAt", false, [this] { return this->ReadFiles(); }) ||
+    !this->CanInterpolate())
   {
     return 0;
   }
@@ -509,7 +538,7 @@ int vtkFFDTransformSeries::RequestInformation(
   vtkInformation* info = outputs->GetInformationObject(0);
   info->Remove(Pipeline::TIME_STEPS());
   info->Remove(Pipeline::TIME_RANGE());
-  if (!this->ReadFiles())
+  if (!this->ReadFiles() || !this->CanInterpolate())
   {
     this->GetOutputDataObject(0)->Initialize();
     return 0;

@@ -180,6 +180,7 @@ private:
   bool ReadFile(vtkFFDTransformReader* reader, std::size_t index, std::string& problem);
   bool AddStep(vtkFFDTransformReader* reader, double time, std::string& problem);
   bool MakeAlike();
+  bool CanInterpolate();
   bool Fit(Step& step, vtkAbstractTransform* transform);
   void ChangeFiles();
 

@@ -423,6 +423,14 @@ int vtkFFDVolumeSeries::RequestInformation(
     {
       times.push_back(this->TimeStart + i * this->TimeSpacing);
     }
+    if (!std::isfinite(times.back()))
+    {
+      vtkErrorMacro("The time of the last of "
+        << count << " files is not finite. Give a smaller "
+        << "TimeStart (" << this->TimeStart << ") or TimeSpacing (" << this->TimeSpacing << ").");
+      this->GetOutputDataObject(0)->Initialize();
+      return 0;
+    }
     const double range[2] = { times.front(), times.back() };
     info->Set(Pipeline::TIME_STEPS(), times.data(), count);
     info->Set(Pipeline::TIME_RANGE(), range, 2);

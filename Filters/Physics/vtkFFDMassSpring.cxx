@@ -818,7 +818,12 @@ int vtkFFDMassSpring::RequestData(
   if (info->Has(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP()))
   {
     double time = info->Get(vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP());
-    time = std::isfinite(time) ? std::min(std::max(time, 0.0), this->Duration) : 0.0;
+    if (std::isnan(time))
+    {
+      vtkErrorMacro("The time is not a number. Ask for one from 0 to " << this->Duration << ".");
+      return 0;
+    }
+    time = std::clamp(time, 0.0, this->Duration);
     const double steps = std::floor(time / this->TimeStep + 0.5);
     if (!(steps <= LargestNumberOfSteps))
     {

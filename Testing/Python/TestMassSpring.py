@@ -397,6 +397,9 @@ class TestMassSpring(unittest.TestCase):
                 self.assertIn(text, errors.pop())
         self.assertEqual((body.GetMass(), body.GetTimeStep(), body.GetPoissonRatio()),
                          (1.0, 0.01, 0.3))
+        body.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+        body.UpdateTimeStep(nan)
+        self.assertIn("not a number", errors.pop())
         body.SetModelToLinearElastic()
         body.Pin(0, 1, 1)
         self.assertIn("from 1 to (3, 3, 3)", errors.pop())

@@ -288,6 +288,25 @@ class TestTransformSeries(unittest.TestCase):
                 item.AddFileName(path(name))
             item.Update()
             self.assertEqual(item.GetOutput().GetNumberOfPoints(), 0)
+        # Of lattices the forward deformation is known, of other files the inverse.
+        for names in (("lattice.vti", "euler.tfm"), ("euler.tfm", "lattice.vti")):
+            item = series(*names)
+            errors = Errors(item)
+            self.assertEqual(item.GetLatticeAt(0.5, vtkffd.vtkFFDLattice()), 0)
+            self.assertEqual(len(errors.messages), 1)
+            self.assertIn(path("lattice.vti") + " the other way", errors.messages[0])
+            item.SetInterpolationToStep()
+            flags = [lattice_of(item, time).GetInverseFlag() for time in (0.0, 1.0)]
+            self.assertEqual(flags, [int(name == "euler.tfm") for name in names])
+            item.SetInterpolationToLinear()
+            item.SetPullBack(0)
+            self.assertEqual(lattice_of(item, 0.5).GetInverseFlag(), 0)
+            self.assertEqual(len(errors.messages), 1)
+        item = series("euler.tfm", "euler.tfm", TimeStart=1e308, TimeSpacing=1e308)
+        item.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+        errors = Errors(item)
+        self.assertEqual(times_of(item), [])
+        self.assertIn("not finite", errors.messages[0])
         item = series("euler.tfm")
         errors = Errors(item)
         for name, value in (("Coordinates", 2), ("FitTolerance", 0.0), ("TimeSpacing", 0.0),

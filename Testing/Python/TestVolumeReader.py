@@ -203,7 +203,38 @@ class TestVolumeReader(unittest.TestCase):
             with open(path, "wb") as file:
                 file.write(content.replace(b"\x18\0\x50\0DS\4\0002.5 ", b"\x18\0\x50\0DS\0\0"))
 
+        def damage_type(path):
+            """Of Slice Thickness: what follows is no length. VTK's reader crashed."""
+            with open(path, "rb") as file:
+                content = file.read()
+            with open(path, "wb") as file:
+                file.write(content.replace(b"\x18\0\x50\0DS\4\0", b"\x18\0\x50\0D\x99\4\x96"))
+
+        def rename_columns(path):
+            """There is no such element, and it is out of order. VTK's reader crashed."""
+            with open(path, "rb") as file:
+                content = file.read()
+            with open(path, "wb") as file:
+                file.write(content.replace(b"\x28\0\x11\0US", b"\0\0\x11\0US"))
+
+        def leave_out_type(path):
+            """The length has four bytes then, as in files of some scanners."""
+            with open(path, "rb") as file:
+                content = file.read()
+            with open(path, "wb") as file:
+                file.write(content.replace(b"\x18\0\x50\0DS\4\0", b"\x18\0\x50\0\4\0\0\0"))
+
+        def rescale(path):
+            """VTK's reader wrote real numbers where it had memory for whole ones."""
+            with open(path, "rb") as file:
+                content = file.read()
+            with open(path, "wb") as file:
+                file.write(content.replace(b"\x28\0\x53\x10DS\2\0001 ", b"\x28\0\x53\x10DS\4\0000.5 "))
+
         for number, (act, problem, warnings) in enumerate((
+                (damage_type, "is not whole", 0), (leave_out_type, "", 0),
+                (rename_columns, "lacks Rows (0028,0010), Columns", 0),
+                (rescale, "differ in whether Rescale Slope", 0),
                 (cut_header, "is not whole", 0), (cut_pixels, "has no pixels", 0),
                 (empty, "no value of Slice Thickness", 0), (lambda path: None, "", 0), (os.remove, "", 1), (cut, "is not whole", 0),
                 (change, "slices of one size", 0), (unname, "the slice 'IM0005' ", 0))):
@@ -281,9 +312,15 @@ class TestVolumeReader(unittest.TestCase):
         files.write_nrrd(os.path.join(WORK, "body.nhdr"), "left-posterior-superior")
         with open(os.path.join(WORK, "body.nhdr"), "rb") as file:
             header = file.read()
+        vector = (b"NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 2 2 2\n"
+                  b"space directions: none (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n\n" + bytes(24))
         # What a download leaves that went wrong.
         for name, content in (("zero.nhdr", header.replace(b"kinds", b"kin\0s")),
                               ("endless.nhdr", header.rstrip()),
+                              # VTK's own reader crashes of these.
+                              ("capital.nrrd", vector.replace(b"dimension: 4", b"Dimension: 4")),
+                              ("late.nrrd", vector.replace(b"dimension: 4\nsizes: 3 2 2 2",
+                                                           b"sizes: 3 2 2 2\ndimension: 4")),
                               ("page.nii.gz", b"<!DOCTYPE html>"), ("page.nrrd", b"<!DOCTYPE html>"),
                               ("bytes.vtk", b"\x89\xd0\xff\n\xfe"), ("nothing.mha", b"")):
             with open(os.path.join(WORK, name), "wb") as file:
@@ -292,7 +329,8 @@ class TestVolumeReader(unittest.TestCase):
                  ("text.txt", "no reader"), ("empty", "no DICOM slices"),
                  ("page.nii.gz", "not what '.nii.gz' says"), ("page.nrrd", "not what '.nrrd' says"),
                  ("bytes.vtk", "not what '.vtk' says"), ("nothing.mha", "it is empty"),
-                 ("zero.nhdr", "zero bytes"), ("endless.nhdr", "does not end"),
+                 ("capital.nrrd", "'dimension' and 'sizes' in this order"),
+                 ("late.nrrd", "'dimension' and 'sizes' in this order"), ("zero.nhdr", "zero bytes"), ("endless.nhdr", "does not end"),
                  ("jpeg", "compressed (transfer syntax 1.2.840.10008.1.2.4.70)"),
                  (os.path.join(os.environ["FFD_TEST_DATA"], "Baseline",
                                "TestImageDeformedHead.png"), "300 x 300 x 1 voxels"))

@@ -227,6 +227,12 @@ class TestVolumeSeries(unittest.TestCase):
             item.UpdateTimeStep(float("nan"))
         self.assertEqual(len(self.errors), 2)
         self.assertIn("not a number", self.errors[0])
+        item = self.make(TimeStart=1e308, TimeSpacing=1e308)
+        item.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+        item.Update()
+        self.assertEqual(len(self.errors), 1)
+        self.assertIn("not finite", self.errors[0])
+        self.assertEqual(item.GetOutput().GetNumberOfPoints(), 0)
         item = self.make()
         for name, value in (("TimeStart", float("nan")), ("TimeSpacing", -1.0)):
             before = getattr(item, "Get" + name)()

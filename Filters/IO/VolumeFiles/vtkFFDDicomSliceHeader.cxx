@@ -5,7 +5,9 @@
 #include "FFDBinaryNumbers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <locale>
 #include <sstream>
 #include <string>
@@ -25,6 +27,13 @@ struct Element
   std::uint32_t Length = 0;
   std::string_view Type; ///< empty where types are implicit
 };
+
+/// Whether this is a type of values. Elements without one are among others in files of some
+/// scanners.
+bool IsType(std::string_view type)
+{
+  return std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+}
 
 /// Takes elements off the front of the bytes.
 class ElementStream
@@ -56,7 +65,7 @@ public:
     element.Tag = this->Number(this->At, 2) << 16 | this->Number(this->At + 2, 2);
     element.Type = std::string_view();
     const bool isItem = element.Tag >> 16 == 0xfffe;
-    if (!this->IsExplicit || isItem)
+    if (!this->IsExplicit || isItem || !IsType(this->Bytes.substr(this->At + 4, 2)))
     {
       element.Length = this->Number(this->At + 4, 4);
       this->At += 8;
@@ -134,10 +143,14 @@ bool ReadPosition(std::string_view text, double position[3])
   return true;
 }
 
-/// Whether this is a type of values, or none, as where types are implicit.
-bool IsTypeOrNone(std::string_view type)
+/// Whether VTK's reader takes a number, as text, for none that is whole.
+bool IsNoWholeNumber(std::string_view text)
 {
-  return std::all_of(type.begin(), type.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+  std::istringstream stream{ std::string(text) };
+  stream.imbue(std::locale::classic());
+  double number = 0.0;
+  constexpr double largest = std::numeric_limits<int>::max();
+  return (stream >> number) && (std::trunc(number) != number || std::abs(number) > largest);
 }
 
 /// The name of an element that must have a value, or null.
@@ -192,7 +205,6 @@ vtkFFDDicomSliceHeader vtkFFDDicomSliceHeader::Parse(std::string_view bytes)
   std::string syntax;
   bool isInFile = false; // behind what describes the file itself, which is always explicit
   Element element;
-  std::uint32_t before = 0;
   for (;;)
   {
     const std::size_t place = stream.GetPlace();
@@ -215,11 +227,6 @@ vtkFFDDicomSliceHeader vtkFFDDicomSliceHeader::Parse(std::string_view bytes)
       }
       continue;
     }
-    if (element.Tag <= before || !IsTypeOrNone(element.Type))
-    {
-      return header; // this is not where an element begins
-    }
-    before = element.Tag;
     const std::string_view value = stream.Value(element);
     if (element.Length == 0 && !header.Empty)
     {
@@ -246,6 +253,10 @@ vtkFFDDicomSliceHeader vtkFFDDicomSliceHeader::Parse(std::string_view bytes)
         break;
       case 0x00280100:
         header.Bits = number;
+        break;
+      case 0x00281052:
+      case 0x00281053:
+        header.IsFraction = header.IsFraction || IsNoWholeNumber(value);
         break;
       case PixelData:
         header.Pixels = vtkFFDDicomSliceHeader::FOUND;

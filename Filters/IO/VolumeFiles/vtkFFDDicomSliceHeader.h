@@ -20,6 +20,9 @@ struct vtkFFDDicomSliceHeader
   int Columns = 0;
   int Bits = 0;    ///< of a number
   int Samples = 0; ///< numbers of a pixel
+  /// Whether a number that pixels are multiplied by, or that is added to them, is not whole: VTK's
+  /// reader makes real numbers of the pixels then.
+  bool IsFraction = false;
   bool HasPosition = false;
   double Position[3] = { 0.0, 0.0, 0.0 };
   /// Bytes from the start of the file to the end of the pixels, as many as the size says, or of the

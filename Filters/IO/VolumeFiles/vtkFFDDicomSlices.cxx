@@ -121,7 +121,8 @@ std::string NameSlice(const std::string& path)
   return "the slice '" + vtksys::SystemTools::GetFilenameName(path) + "' ";
 }
 
-/// The problem of a file that ends in its header or before its pixels do, or that lacks a value.
+/// The problem of a file that ends in its header or before its pixels do, or that lacks a size or a
+/// value.
 std::string FindSliceProblem(const std::string& path, const vtkFFDDicomSliceHeader& slice)
 {
   std::size_t size = 0;
@@ -134,6 +135,12 @@ std::string FindSliceProblem(const std::string& path, const vtkFFDDicomSliceHead
   {
     return NameSlice(path) + "is not whole: it has " + std::to_string(size) + " bytes of " +
       std::to_string(slice.End);
+  }
+  if (slice.Pixels == vtkFFDDicomSliceHeader::FOUND && !slice.HasSize())
+  {
+    return NameSlice(path) +
+      "has pixels, but lacks Rows (0028,0010), Columns (0028,0011) or Bits "
+      "Allocated (0028,0100)";
   }
   return slice.Empty
     ? NameSlice(path) + "has no value of " + slice.Empty + ", which VTK's reader needs"
@@ -162,6 +169,14 @@ std::string CheckSlices(SliceReader* reader, int slices, std::string& warning)
       return NameSlice(path) + "has " + describe(slice) + ", '" +
         vtksys::SystemTools::GetFilenameName(reader->GetDICOMFileName(0)) + "' " + describe(first) +
         "; slices of one size are needed, so move the others into another folder";
+    }
+    if (slice.IsFraction != first.IsFraction)
+    {
+      return NameSlice(path) + "and '" +
+        vtksys::SystemTools::GetFilenameName(reader->GetDICOMFileName(0)) +
+        "' differ in whether Rescale Slope (0028,1053) and Rescale Intercept (0028,1052) are whole "
+        "numbers, which VTK's reader mixes up; write slices with one slope and intercept first, or "
+        "one file of another format";
     }
     const std::string problem = FindSliceProblem(path, slice);
     if (!problem.empty())
@@ -218,7 +233,8 @@ std::string SliceFolder::FindProblem() const
       // VTK's reader crashes of headers that are cut off and of values that are missing. Pixels are
       // for CheckSlices().
       const vtkFFDDicomSliceHeader slice = vtkFFDDicomSliceHeader::Parse(start);
-      const bool isForLater = slice.Pixels == vtkFFDDicomSliceHeader::FOUND && !slice.Empty;
+      const bool isForLater =
+        slice.Pixels == vtkFFDDicomSliceHeader::FOUND && slice.HasSize() && !slice.Empty;
       std::string found = isForLater ? std::string() : FindSliceProblem(path, slice);
       if (!found.empty())
       {

@@ -24,6 +24,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
+#include <sstream>
+#include <string>
 #include <vector>
 
 namespace
@@ -98,6 +100,31 @@ std::string FindNrrdSizesProblem(const vtkFFDTextHeader::Fields& fields)
   return plain && std::to_string(words.size()) == dimension ? std::string()
                                                             : "its sizes are '" + sizes +
       "', its dimension '" + dimension + "': as many whole numbers from 1 to 999999999 are needed";
+}
+
+/// Whether VTK's reader takes the first axis for that of components before it knows any axes, and
+/// crashes: it knows them by fields in lower case alone, the dimension before the sizes.
+bool HasComponentsWithoutSizes(const std::string& text)
+{
+  std::istringstream lines(text);
+  std::string line;
+  bool hasDimension = false;
+  bool hasSizes = false;
+  bool hasComponents = false;
+  while (std::getline(lines, line) && line.find_first_not_of(" \t\r") != std::string::npos)
+  {
+    const std::string key = line.substr(0, line.find(": "));
+    hasDimension = hasDimension || key == "dimension" || key == "space" || key == "space dimension";
+    hasSizes = hasSizes || (key == "sizes" && hasDimension);
+    if (key == "space directions" || (key == "spacings" && hasDimension))
+    {
+      const std::vector<std::string> axes = ToWords(line.substr(key.size() + 1));
+      const std::vector<double> first = ReadNumbers(axes.empty() ? std::string() : axes[0]);
+      hasComponents = !axes.empty() &&
+        std::all_of(first.begin(), first.end(), [](double number) { return number == 0.0; });
+    }
+  }
+  return hasComponents && !hasSizes;
 }
 
 /// Whether numbers of a NRRD are written as text.
@@ -225,6 +252,12 @@ std::string NrrdFile::FindProblem() const
   if (this->Text.substr(0, this->End.Begin).find('\0') != std::string::npos)
   {
     return "it cannot be read: its header holds zero bytes";
+  }
+  if (HasComponentsWithoutSizes(this->Text))
+  {
+    return "it cannot be read: VTK's reader needs the fields 'dimension' and 'sizes' in this "
+           "order, "
+           "in lower case";
   }
   return this->FindDataProblem(0.0);
 }
