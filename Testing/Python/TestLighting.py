@@ -282,7 +282,7 @@ class TestLighting(unittest.TestCase):
     def test_highlights_of_any_power(self):
         # To the power of zero, too, what a light does not reach has no highlight.
         for two_sided in (False, True):
-            for power in (0.0, 0.3, 1.0, 2.5, 40.0):
+            for power in (-1.5, 0.0, 0.3, 1.0, 2.5, 40.0, 1e30):
                 with self.subTest(two_sided=two_sided, power=power):
                     plane = LitPlane([0.5, 0.3, -0.8])
                     plane.prop.SetSpecularPower(power)
@@ -291,6 +291,40 @@ class TestLighting(unittest.TestCase):
                     plane.light(Position=(5.0, 3.0, -8.0), FocalPoint=(0.0, 0.0, 0.0))
                     plane.headlight(Intensity=0.4)
                     self.check(plane)
+
+    def test_steep_functions(self):
+        """Gradients are large beside the range of the functions, which tells their scale."""
+        for width in (1e-2, 1e-4):
+            with self.subTest(width=width):
+                plane = LitPlane([0.5, 0.3, -0.8])
+                opacity = plane.prop.GetScalarOpacity()
+                opacity.RemoveAllPoints()
+                opacity.AddPoint(100.0, 0.0)
+                opacity.AddPoint(100.0 + width, 1.0)
+                color = vtkColorTransferFunction()
+                color.AddRGBPoint(100.0, *COLOR)
+                plane.prop.SetColor(color)
+                plane.look([0.2, -0.1, -1.0])
+                plane.light(Position=(5.0, 3.0, -8.0), FocalPoint=(0.0, 0.0, 0.0))
+                plane.headlight(Intensity=0.4)
+                self.check(plane)
+
+    def test_values_that_stand_for_none(self):
+        """They are far beyond all others, and gradients beside them far beyond those between these."""
+        for none in (-1e7, -9.96921e36, -8e37):
+            with self.subTest(none=none):
+                plane = LitPlane([0.5, 0.3, -0.8])
+                values = vtk_to_numpy(plane.image.GetPointData().GetScalars())
+                values[values < 110.0] = none
+                plane.look([0.2, -0.1, -1.0])
+                plane.light(Position=(-3.0, 2.0, 8.0), FocalPoint=(0.0, 0.0, 0.0))
+                plane.headlight(Intensity=0.4)
+                pictures = []
+                for reference in (False, True):
+                    plane.ours.SetReferenceKernels(reference)
+                    pictures.append(plane.render_image()[0])
+                self.assertGreater(pictures[1].max() - pictures[1].min(), 20.0)
+                self.assertLess(abs(pictures[0] - pictures[1]).mean(), 0.5)
 
     def test_specular_below_zero(self):
         # Not of this world, but the same in all kernels.

@@ -22,6 +22,9 @@ namespace
 /// The largest specular power that is found by multiplications.
 constexpr float LargestWholePower = 128.0f;
 
+/// Of single precision.
+constexpr float LargestBelowOne = 1.0f - 0.5f * std::numeric_limits<float>::epsilon();
+
 /// Highlights below this are invisible, and far above denormal numbers.
 constexpr float SmallestHighlight = 1e-20f;
 
@@ -264,7 +267,8 @@ PacketSurface MakeSurface(
   PacketSurface surface;
   const float power = reflectance.SpecularPower;
   surface.SpecularPower = power;
-  surface.SmallestCosine = power > 0.0f ? std::pow(SmallestHighlight, 1.0f / power) : 0.0f;
+  surface.SmallestCosine =
+    power > 0.0f ? std::min(std::pow(SmallestHighlight, 1.0f / power), LargestBelowOne) : 0.0f;
   // To the power of 0 what light does not reach would be 1, too.
   if (power == std::floor(power) && power > 0.0f && power <= LargestWholePower)
   {
@@ -411,22 +415,39 @@ double FindRangeOfValues(const CastScene& scene, const PacketVolume& v, int comp
   return HasShortScalars(v) ? RangeOfFewBytes : range * v.Scale[component];
 }
 
-/// Finds what gradients are multiplied by, of which only the direction counts, so that neither the
-/// squares of small ones nor those of the largest ones are beyond single precision.
-double FindGradientScale(
+/// What gradients are multiplied by, of which only the direction counts.
+struct GradientScale
+{
+  double Factor = 1.0;
+  bool LeavesFar = false; ///< see PacketScene::FarGradients
+};
+
+/// Finds a scale by which the squares of gradients between values that functions tell apart are not
+/// beyond single precision, nor any gradient itself: values may lie far beyond those, as what
+/// stands for no data does.
+GradientScale FindGradientScale(
   const CastScene& scene, const SampleClassifier& classifier, const PacketScene& p)
 {
   constexpr double LargestGradient = 1e15;
+  constexpr double LargestOfAll = 1e36;
   constexpr double LargestFactor = 1e35;
+  constexpr double NearRange = 100.0;
   const TransferTable& table = *scene.Table;
   const int component =
     p.Volume.Components > 1 ? FindDensityComponent(classifier.GetFunctions().Kind, 0) : 0;
-  double range = classifier.HasNormalsOfOpacity()
-    ? 1.0
-    : static_cast<double>(table.GetSize() - 1) / table.GetScale() * p.Volume.Scale[component];
+  const bool ofValues = !classifier.HasNormalsOfOpacity();
+  double range = ofValues
+    ? static_cast<double>(table.GetSize() - 1) / table.GetScale() * p.Volume.Scale[component]
+    : 1.0;
   for (const float clipped : p.ClippedValues)
   {
     range = std::max(range, static_cast<double>(std::abs(clipped)));
+  }
+  double most = range;
+  for (int c = 0; ofValues && scene.Ranges && c < p.Volume.Components; ++c)
+  {
+    const MinMaxBlocks::Limits& limits = (*scene.Ranges)[static_cast<std::size_t>(c)];
+    most = std::max(most, (limits.Max - limits.Min) * p.Volume.Scale[c]);
   }
   const glm::dmat3& ofData = scene.Material.GetGradientToLights();
   const glm::dmat3 ofIndex = ofData * glm::transpose(scene.Volume.DataToIndex);
@@ -434,10 +455,11 @@ double FindGradientScale(
   for (int a = 0; a < 3; ++a)
   {
     const double factor = glm::length(ofIndex[a]);
-    scale = std::min({ scale, LargestGradient / (range * factor), LargestFactor / factor,
-      LargestFactor / glm::length(ofData[a]) });
+    scale = std::min({ scale, LargestGradient / (range * factor), LargestOfAll / (most * factor),
+      LargestFactor / factor, LargestFactor / glm::length(ofData[a]) });
   }
-  return std::isfinite(scale) && scale > 0.0 ? scale : 1.0;
+  return { std::isfinite(scale) && scale > 0.0 ? scale : 1.0,
+    (ofValues && !scene.Ranges) || most > NearRange * range };
 }
 
 } // namespace
@@ -583,8 +605,9 @@ void SetShading(const CastScene& scene, const CastSettings& settings,
   p.TwoSided = scene.Material.TwoSided;
   const glm::dmat3& toLights = scene.Material.GetToLights();
   CopyRows(toLights, p.LocalToLights);
-  const glm::dmat3 toSpace =
-    FindGradientScale(scene, classifier, p) * scene.Material.GetGradientToLights();
+  const GradientScale scale = FindGradientScale(scene, classifier, p);
+  p.FarGradients = scale.LeavesFar;
+  const glm::dmat3 toSpace = scale.Factor * scene.Material.GetGradientToLights();
   CopyRows(toSpace, p.GradientToLights);
   CopyRows(toSpace * glm::transpose(scene.Volume.DataToIndex), p.IndexGradientToLights);
   p.Parallel = scene.Camera.Parallel;

@@ -289,6 +289,9 @@ struct PacketScene
 
   bool Shade = false;
   bool NormalsOfOpacity = false; ///< where something is shaded
+  /// Whether the squares of gradients that are multiplied by GradientToLights may be beyond single
+  /// precision.
+  bool FarGradients = false;
   /// Whether gradients take ClippedValues, by component and as fetched, for values behind clipping
   /// planes.
   bool ClipsGradients = false;

@@ -515,12 +515,14 @@ HWY_INLINE Vf WholePower(Vf x, int power)
   return result;
 }
 
-/// x^power for 0 <= x, power >= 0.
+/// x^power for 0 <= x <= 1; 0 where x is.
 HWY_INLINE Vf Power(Vf x, float power)
 {
+  constexpr float LargestExponent = 100.0f;
   const Mf zero = hn::Lt(x, Splat(1e-20f));
-  const Vf y =
-    Exp2(hn::Min(hn::Mul(Splat(power), Log2(hn::Max(x, Splat(1e-20f)))), hn::Zero(Df())));
+  const Vf exponent = hn::Mul(Splat(power), Log2(hn::Max(x, Splat(1e-20f))));
+  // By rounding x may be more than 1.
+  const Vf y = Exp2(hn::Min(exponent, Splat(power < 0.0f ? LargestExponent : 0.0f)));
   return hn::IfThenZeroElse(zero, y);
 }
 

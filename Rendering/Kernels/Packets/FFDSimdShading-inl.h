@@ -21,13 +21,33 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
-/// 1 / length of vectors; zero where it is zero, or has no direction that single precision can
-/// tell.
+/// Whether single precision can tell the squares of lengths.
+HWY_INLINE Mf HasSquare(Vf squared)
+{
+  return hn::And(hn::Gt(squared, Splat(1e-37f)), hn::Lt(squared, Splat(1e37f)));
+}
+
+/// 1 / length of vectors; zero where it is zero, or HasSquare() is false.
 HWY_INLINE Vf InverseLength(const Vec3& v)
 {
   const Vf squared = Dot(v, v);
-  const Mf some = hn::And(hn::Gt(squared, Splat(1e-37f)), hn::Lt(squared, Splat(1e37f)));
+  const Mf some = HasSquare(squared);
   return hn::IfThenElseZero(some, InverseSqrt(hn::IfThenElse(some, squared, Splat(1.0f))));
+}
+
+/// Makes vectors whose lengths HasSquare() does not know longer or shorter.
+HWY_NOINLINE inline void BringIntoReach(Vec3& v)
+{
+  const Df d;
+  const Vf squared = Dot(v, v);
+  const Mf beyond = hn::AndNot(HasSquare(squared), hn::Ne(squared, hn::Zero(d)));
+  if (HWY_UNLIKELY(!hn::AllFalse(d, beyond)))
+  {
+    const Vf two70 = Splat(1180591620717411303424.0f);
+    const Vf other =
+      hn::IfThenElse(hn::Lt(squared, Splat(1.0f)), two70, hn::Div(Splat(1.0f), two70));
+    v = Scale(hn::IfThenElse(beyond, other, Splat(1.0f)), v);
+  }
 }
 
 /// Unit vectors; zero where InverseLength() is.
@@ -47,7 +67,7 @@ struct Lighting
   Vec3 Specular;
 };
 
-/// x to the specular power, 0 <= x <= 1.
+/// x to the specular power, 0 <= x <= 1; 0 where x is.
 HWY_INLINE Vf Highlight(const PacketSurface& surface, Vf x)
 {
   const Vf some = hn::Max(x, Splat(surface.SmallestCosine));
@@ -180,8 +200,12 @@ HWY_NOINLINE inline Lighting AddLights(const PacketScene& scene, const PacketSur
  */
 template <class PositionOf>
 HWY_INLINE Vec3 Shade(const PacketScene& scene, const PacketSurface& surface, const Vec3& color,
-  const Vec3& gradient, EyeDirections& eye, const PositionOf& positionOf)
+  Vec3 gradient, EyeDirections& eye, const PositionOf& positionOf)
 {
+  if (HWY_UNLIKELY(scene.FarGradients))
+  {
+    BringIntoReach(gradient);
+  }
   const Vec3 toEye =
     scene.Parallel ? Normalize(Sub(Broadcast(scene.Eye), positionOf())) : Copy(eye.ToEye);
   const Vf inverse = InverseLength(gradient);
