@@ -228,8 +228,32 @@ class TestPacketLooks(unittest.TestCase):
         def pre_integrate(mapper, _prop):
             mapper.SetClassificationToPreIntegrated()
 
+        def surfaces(mapper, prop):
+            mapper.SetBlendModeToIsoSurface()
+            prop.GetIsoSurfaceValues().SetValue(0, 150.0)
+            prop.GetIsoSurfaceValues().SetValue(1, 200.0)
+
+        def maximum(mapper, _prop):
+            mapper.SetBlendModeToMaximumIntensity()
+
+        def minimum(mapper, prop):
+            mapper.SetBlendModeToMinimumIntensity()
+            prop.SetScalarOpacity(points((0, 0.7), (90, 0.3), (120, 0.0)))
+
+        def maxima(mapper, prop):
+            pair(mapper, prop)
+            maximum(mapper, prop)
+
+        def average(mapper, _prop):
+            mapper.SetBlendModeToAverageIntensity()
+
+        def add(mapper, prop):
+            mapper.SetBlendModeToAdditive()
+            prop.SetScalarOpacity(points((140, 0.0), (170, 0.01), (255, 0.02)))
+
         for option, deformed in itertools.product(
-                (lambda *_: None, crop, clip, pair, dependent, label, gradient, pre_integrate),
+                (lambda *_: None, crop, clip, pair, dependent, label, gradient, pre_integrate, surfaces,
+                 maximum, minimum, maxima, average, add),
                 (False, True)):
             with self.subTest(option=option.__name__, deformed=deformed):
                 _, mapper, prop, volume = self.make("u1", False)
@@ -368,6 +392,17 @@ class TestPacketLooks(unittest.TestCase):
                 for c in range(1, scene[0]):
                     prop.SetTransferFunction2D(c, prop.GetTransferFunction2D(0))
                 self.compare(mapper, volume, "and planes", 0.2)
+
+    def test_normals_of_level_opacities(self):
+        """What is constant has no normal, wherever between entries of the table it begins."""
+        for begin in (22.0, 22.000176133920135, 41.7, 63.123):
+            with self.subTest(begin=begin):
+                _, mapper, prop, volume = self.make("u1", False)
+                prop.SetScalarOpacity(points((begin, 0.0), (begin + 20.0, 0.9)))
+                before = self.picture(mapper, volume, False)
+                mapper.ComputeNormalFromOpacityOn()
+                picture = self.compare(mapper, volume, "level", 0.2)
+                self.assertGreater(numpy.abs(picture - before).mean(), 0.05)
 
     def set_labels(self, scale, mapper, prop, blend):
         mapper.SetMaskInput(scalars_image(self.labels.ravel()))

@@ -97,7 +97,10 @@ Line FindLine(const std::vector<Entry>& entries, std::size_t from, const PieceTo
     {
       line.Slope[c] = 0.5 * (least[c] + most[c]);
     }
-    line.Slope[0] = std::min(line.Slope[0], toOpaque);
+    // What is constant is to have no slope, although an entry that is as near as the tolerance
+    // comes first.
+    const bool isLevel = least[0] <= 0.0 && most[0] >= 0.0 && start[0] > 0.0 && entries[i][0] > 0.0;
+    line.Slope[0] = isLevel ? 0.0 : std::min(line.Slope[0], toOpaque);
     if (!isTransparent && entries[i][0] <= 0.0)
     {
       break;

@@ -65,10 +65,11 @@ public:
     }
   }
 
-  /// Takes the samples n of the lanes of `sampled` at q, the position at s of a curve; `inner`: all
-  /// voxels that they and the intervals behind them need exist.
+  /// Takes the samples of the lanes of `sampled` at q, the position at s of a curve. `number`:
+  /// theirs; `inner`: all are the samples n, and all voxels that they and the intervals behind them
+  /// need exist.
   HWY_NOINLINE void Take(
-    const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf sampled, bool inner)
+    const PacketCurve& curve, const Vec3& q, Vf s, int n, Vf number, Mf sampled, bool inner)
   {
     const bool surfaces = this->Scene.Sampling == PacketSampling::Surface;
     this->Count(sampled);
@@ -98,7 +99,7 @@ public:
         return this->TakeSlice(curve, q, s, sampled);
       default:
         return this->Surfaces.Cross(
-          curve, q, s, n, sampled, nullptr, inner && this->Scene.Volume.Components == 1);
+          curve, q, s, n, number, sampled, nullptr, inner && this->Scene.Volume.Components == 1);
     }
   }
 
@@ -140,13 +141,15 @@ public:
     return this->Samples.template ForValues<1, AtFaces>(
       curve, numbers, from, to, [&](int n, Vf s, Mf sampled, Vf value) FFD_INLINE_LAMBDA {
         this->Count(sampled);
+        const Vf number = Splat(static_cast<float>(n));
         if constexpr (AtFaces)
         {
-          this->Surfaces.Cross(curve, curve.At(this->Scene, s), s, n, sampled, &value, false);
+          this->Surfaces.Cross(
+            curve, curve.At(this->Scene, s), s, n, number, sampled, &value, false);
         }
         else
         {
-          this->Surfaces.CrossInner(curve, s, n, sampled, value);
+          this->Surfaces.CrossInner(curve, s, number, sampled, value);
         }
       });
   }

@@ -178,14 +178,21 @@ private:
     this->FindCurve(segment, curve);
     this->CountSegment(segment);
     this->Samples.Normals.BeginCurve();
-    if constexpr (HasVoxelWindow())
-    {
-      this->Samples.Window.Follow(
-        curve, this->Numbers, this->Samples.State.Alive, block, this->Scene.ClassifiesIntervals);
-    }
     if (segment.LeapsRays)
     {
       this->Leaps.Begin(curve);
+    }
+    if constexpr (HasVoxelWindow())
+    {
+      if (HWY_UNLIKELY(segment.LeapsRays))
+      {
+        this->Samples.Window.Leave();
+      }
+      else
+      {
+        this->Samples.Window.Follow(
+          curve, this->Numbers, this->Samples.State.Alive, block, this->Scene.ClassifiesIntervals);
+      }
     }
     this->Samples.State.Expecting = hn::FirstN(Df(), 0);
   }
@@ -212,14 +219,17 @@ private:
   {
     PacketSegments& segments = this->Segments;
     const int block = segments.BlockIn(segment);
-    if (HWY_UNLIKELY(segment.LeapsRays) && this->CompositesSamples() && !this->Scratch.Positions)
-    {
-      return this->CastSpreadRays(segment, block, parts);
-    }
-    PacketCurve curve;
-    bool begun = false;
     const bool seeking = !this->Scene.Peaks.empty();
-    const bool whole = !segment.LeapsRays && !this->Scratch.Positions;
+    PacketCurve curve;
+    if (HWY_UNLIKELY(segment.LeapsRays && !seeking))
+    {
+      // Rays that leap by themselves need not know which parts are empty.
+      this->BeginCurves(segment, block, curve);
+      this->TakeParts(curve, parts, false);
+      this->Blending.EndCurve(curve);
+      return;
+    }
+    bool begun = false;
     PartRange run{ parts.First, parts.First };
     for (run.First = segments.FindNeeded(segment, block, parts.First, parts.End);
          run.First < parts.End; run.First = segments.FindNeeded(segment, block, run.End, parts.End))
@@ -235,60 +245,71 @@ private:
         }
         this->Blending.Want(channels);
       }
-      const int from = segment.FirstSample + run.First * segment.SamplesPerPart;
       if (!begun)
       {
         this->BeginCurves(segment, block, curve);
         begun = true;
       }
-      const bool within = !this->Scene.Grid.Snaps && HasAllVoxels(segment, block, run.First);
-      if (HWY_LIKELY(!seeking && whole))
+      if (HWY_LIKELY(!seeking && !this->Scratch.Positions))
       {
         run.End = std::min(parts.End, FindEndOfRun(segment, block, run.First));
       }
-      const int to = std::min({ segment.FirstSample + run.End * segment.SamplesPerPart,
-        segment.FirstSample + segment.Samples, segments.EndSample });
-      const int first = std::max(from, segments.FirstSample);
-      int n;
-      if (HWY_UNLIKELY(!whole))
+      const bool within = !this->Scene.Grid.Snaps && HasAllVoxels(segment, block, run.First);
+      if (HWY_UNLIKELY(!this->TakeParts(curve, run, within)))
       {
-        n = this->TakeEachSample(curve, first, to, within);
-      }
-      else
-      {
-        n = within ? this->template TakePart<false>(curve, first, to)
-                   : this->template TakePart<true>(curve, first, to);
-      }
-      if (HWY_UNLIKELY(n < to))
-      {
-        this->EndAt(n);
         return;
       }
       if (HWY_UNLIKELY(seeking) && this->Blending.TakeNews())
       {
-        this->NoteExtremes(from);
+        this->NoteExtremes(segment.FirstSample + run.First * segment.SamplesPerPart);
       }
     }
     this->Blending.EndCurve(curve);
   }
 
-  /**
-   * Composites parts of a segment in which single rays leap, and which are too far apart to come
-   * upon something together: each goes on to its next sample that may be visible, and then all take
-   * theirs, whichever these are.
-   */
-  HWY_NOINLINE void CastSpreadRays(TileSegment& segment, int block, const PartRange& parts)
+  /// Takes the samples of parts of a segment; false where all rays have ended. `within`: all voxels
+  /// of the samples exist.
+  HWY_INLINE bool TakeParts(const PacketCurve& curve, const PartRange& parts, bool within)
   {
-    const Df d;
+    const TileSegment& segment = *curve.Segment;
     const int from = std::max(
       segment.FirstSample + parts.First * segment.SamplesPerPart, this->Segments.FirstSample);
     const int to = std::min({ segment.FirstSample + parts.End * segment.SamplesPerPart,
       segment.FirstSample + segment.Samples, this->Segments.EndSample });
-    PacketCurve curve;
-    this->BeginCurves(segment, block, curve);
+    int n;
+    if (HWY_UNLIKELY(segment.LeapsRays))
+    {
+      n = this->TakeSpreadSamples(curve, from, to);
+    }
+    else if (HWY_UNLIKELY(this->Scratch.Positions))
+    {
+      n = this->TakeEachSample(curve, from, to, within);
+    }
+    else
+    {
+      n = within ? this->template TakePart<false>(curve, from, to)
+                 : this->template TakePart<true>(curve, from, to);
+    }
+    if (HWY_UNLIKELY(n < to))
+    {
+      this->EndAt(n);
+      return false;
+    }
+    return true;
+  }
+
+  /**
+   * Takes the samples from `from` on, before `to`, of a segment in which single rays leap, and
+   * which are too far apart to come upon something together: each goes on to its next sample that
+   * may be visible, and then all take theirs, whichever these are. Returns what
+   * PacketCompositor::TakeSamples() does.
+   */
+  HWY_NOINLINE int TakeSpreadSamples(const PacketCurve& curve, int from, int to)
+  {
+    const Df d;
     PacketState& state = this->Samples.State;
     const Vf one = Splat(1.0f);
-    const Vf first = Splat(static_cast<float>(segment.FirstSample));
+    const Vf first = Splat(static_cast<float>(curve.Segment->FirstSample));
     const Vf stop = hn::Min(this->Numbers.Stop, Splat(static_cast<float>(to)));
     Vf number = hn::Max(this->Numbers.First, Splat(static_cast<float>(from)));
     for (;;)
@@ -311,15 +332,14 @@ private:
       }
       if (hn::AllFalse(d, active))
       {
-        return;
+        return to;
       }
       state.Expecting = hn::FirstN(d, 0);
-      this->CompositeAt(curve, q, s, active, false);
+      this->TakeAt(curve, q, s, from, number, active, false);
       number = hn::IfThenElse(active, hn::Add(number, one), number);
       if (HWY_UNLIKELY(hn::AllFalse(d, state.Alive)))
       {
-        this->EndAt(static_cast<int>(LargestLane(hn::Min(number, stop))) - 1);
-        return;
+        return static_cast<int>(LargestLane(hn::Min(number, stop))) - 1;
       }
     }
   }
@@ -489,7 +509,6 @@ private:
   HWY_INLINE void TakeSamples(const PacketCurve& curve, int n, Vf s, bool within)
   {
     const Df d;
-    const Vf number = Splat(static_cast<float>(n));
     Mf active = this->FindActive(n);
     if (HWY_UNLIKELY(hn::AllFalse(d, active)))
     {
@@ -505,14 +524,16 @@ private:
         return;
       }
     }
-    if (curve.Segment && curve.Segment->LeapsRays)
-    {
-      active = this->Leaps.LeapFrom(curve, q, s, number, active, this->Samples.State.Expecting);
-      if (hn::AllFalse(d, active))
-      {
-        return;
-      }
-    }
+    this->TakeAt(curve, q, s, n, Splat(static_cast<float>(n)), active, within);
+  }
+
+  /// Takes samples at q, the position at s of a curve. `number`: theirs; n: that of all rays, where
+  /// these take samples of one number; `within`: all voxels of the samples exist, and they are of
+  /// one number.
+  HWY_INLINE void TakeAt(
+    const PacketCurve& curve, const Vec3& q, Vf s, int n, Vf number, Mf active, bool within)
+  {
+    const Df d;
     if (HWY_UNLIKELY(this->Scratch.Positions))
     {
       this->NotePositions(q, curve.TimeAt(s), hn::And(active, IsInside(this->Scene, q)));
@@ -532,11 +553,11 @@ private:
     if (this->Scene.ClassifiesIntervals)
     {
       this->Samples.Intervals.Take(
-        curve, n, s, active, within && this->Scene.Options == CompositeOptions::None);
+        curve, n, number, s, active, within && this->Scene.Options == CompositeOptions::None);
     }
     else
     {
-      this->Blending.Take(curve, q, s, n, active, within);
+      this->Blending.Take(curve, q, s, n, number, active, within);
     }
   }
 

@@ -22,7 +22,6 @@
 #include "FFDSimdSampler-inl.h"
 
 #include <cstdint>
-#include <limits>
 
 HWY_BEFORE_NAMESPACE();
 namespace ffd
@@ -193,20 +192,22 @@ public:
   explicit IntervalCompositor(PacketGradients<T>& samples)
     : Samples(samples)
     , Scene(samples.Scene)
-    , LastNumber(Splat(-1e30f))
+    , LastNumber(Splat(NoNumber))
     , LastValue(hn::Zero(Df()))
+    , LastPointNumber(Splat(NoNumber))
   {
   }
 
   /**
-   * Takes the intervals that end at the samples n, at s of a curve, in the lanes of `sampled`, as
-   * RayIntegrator::CompositeInterval(). `inner`: all voxels that they and their gradients need
-   * exist.
+   * Takes the intervals that end at samples, at s of a curve, in the lanes of `sampled`, as
+   * RayIntegrator::CompositeInterval(). `number`: that of the samples; n: the same, where a window
+   * of voxels follows them; `inner`: all are the samples n, and all voxels that they and their
+   * gradients need exist.
    */
-  HWY_NOINLINE void Take(const PacketCurve& curve, int n, Vf s, Mf sampled, bool inner)
+  HWY_NOINLINE void Take(const PacketCurve& curve, int n, Vf number, Vf s, Mf sampled, bool inner)
   {
     const Vec3 end = curve.At(this->Scene, s);
-    this->Take(curve, n, s, sampled,
+    this->Take(curve, n, number, s, sampled,
       inner ? this->Samples.FindInnerValue(n, end, sampled) : this->Samples.FindValue(end, sampled),
       inner);
   }
@@ -215,19 +216,20 @@ public:
   template <bool AtFaces>
   HWY_INLINE int TakeAll(const PacketCurve& curve, const SampleNumbers& numbers, int from, int to)
   {
-    return this->Samples.template ForValues<0, AtFaces>(curve, numbers, from, to,
-      [&](int n, Vf s, Mf sampled, Vf value)
-        FFD_INLINE_LAMBDA { this->Take(curve, n, s, sampled, value, !AtFaces); });
+    return this->Samples.template ForValues<0, AtFaces>(
+      curve, numbers, from, to, [&](int n, Vf s, Mf sampled, Vf value) FFD_INLINE_LAMBDA {
+        this->Take(curve, n, Splat(static_cast<float>(n)), s, sampled, value, !AtFaces);
+      });
   }
 
 private:
   /// Take() of intervals at whose ends the values are `back`.
-  HWY_INLINE void Take(const PacketCurve& curve, int n, Vf s, Mf sampled, Vf back, bool inner)
+  HWY_INLINE void Take(
+    const PacketCurve& curve, int n, Vf number, Vf s, Mf sampled, Vf back, bool inner)
   {
     const Df d;
     const PacketIntegrals& integrals = this->Scene.Integrals;
     this->Samples.Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
-    const Vf number = Splat(static_cast<float>(n));
     const Mf unknown = hn::AndNot(hn::Eq(this->LastNumber, hn::Sub(number, Splat(1.0f))), sampled);
     Vf front = this->LastValue;
     const bool known = hn::AllFalse(d, unknown);
@@ -244,8 +246,8 @@ private:
         hn::Le(hn::Sub(hn::Min(front, back), difference), Splat(integrals.VisibleHigh))));
     if (!hn::AllFalse(d, sampled))
     {
-      inner ? this->template Show<false>(curve, n, s, sampled, front, back, known)
-            : this->template Show<true>(curve, n, s, sampled, front, back, known);
+      inner ? this->template Show<false>(curve, n, number, s, sampled, front, back, known)
+            : this->template Show<true>(curve, n, number, s, sampled, front, back, known);
     }
   }
 
@@ -267,10 +269,10 @@ private:
     Vf At;     ///< the place, 0 to 1, of the value that tells more of it
   };
 
-  /// Looks up intervals that end at the samples n, at s of a curve, between two values. `known`:
-  /// whether they begin with the ends of those before.
+  /// Looks up the intervals of `lanes` that end at the samples `number`, at s of a curve, between
+  /// two values. `known`: whether they begin with the ends of those before.
   HWY_INLINE Interval FindInterval(
-    const PacketCurve& curve, int n, Vf s, Vf front, Vf back, bool known)
+    const PacketCurve& curve, Vf number, Vf s, Mf lanes, Vf front, Vf back, bool known)
   {
     const PacketScene& scene = this->Scene;
     const Vf begin = this->FindBegin(curve, s);
@@ -280,14 +282,17 @@ private:
         ? curve.Dt
         : FindLength(scene, curve.Position.Slope(s)));
     // Where the interval before was looked up, this one begins with its end.
-    const IntervalPoint first = known && this->LastPointNumber == n - 1
+    const Mf behind = hn::Eq(this->LastPointNumber, hn::Sub(number, Splat(1.0f)));
+    const IntervalPoint first = known && hn::AllFalse(Df(), hn::AndNot(behind, lanes))
       ? Copy(this->LastPoint)
       : FindIntervalPoint(scene, front);
     const IntervalPoint last = FindIntervalPoint(scene, back);
     this->LastPoint.Entry = last.Entry;
     this->LastPoint.Extinction = last.Extinction;
     this->LastPoint.Integral = last.Integral;
-    this->LastPointNumber = n;
+    // Rays that wait for others to take their samples have no value here.
+    const Mf taken = hn::Eq(this->LastNumber, number);
+    this->LastPointNumber = hn::IfThenElse(taken, number, Splat(NoNumber));
     const Vf guess = hn::Mul(FindMeanExtinction(scene, first, last), length);
     const Vf place =
       FindPlaceOfLight(hn::Mul(first.Extinction, length), hn::Mul(last.Extinction, length), guess);
@@ -346,9 +351,9 @@ private:
   /// as FindInterval(). Without `AtFaces` all voxels that they and their gradients need must exist.
   template <bool AtFaces>
   HWY_NOINLINE void Show(
-    const PacketCurve& curve, int n, Vf s, Mf sampled, Vf front, Vf back, bool known)
+    const PacketCurve& curve, int n, Vf number, Vf s, Mf sampled, Vf front, Vf back, bool known)
   {
-    const Interval interval = this->FindInterval(curve, n, s, front, back, known);
+    const Interval interval = this->FindInterval(curve, number, s, sampled, front, back, known);
     const Vec3 q = this->Samples.ClampToVolume(
       curve.At(this->Scene, hn::MulAdd(interval.At, interval.Extent, interval.Begin)));
     const Vec3 voxel = FindSampledVoxels(this->Scene, q);
@@ -394,13 +399,15 @@ private:
   PacketGradients<T>& Samples;
   const PacketScene& Scene;
 
+  static constexpr float NoNumber = -1e30f;
+
   // The last samples, their numbers and values.
   Vf LastNumber;
   Vf LastValue;
 
-  // The point at the end of the last intervals that were classified, and their number.
+  // The points at the ends of the last intervals that were looked up, and their numbers.
   IntervalPoint LastPoint;
-  int LastPointNumber = std::numeric_limits<int>::min();
+  Vf LastPointNumber;
 };
 
 } // namespace HWY_NAMESPACE

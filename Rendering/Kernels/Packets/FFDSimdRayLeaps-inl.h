@@ -42,25 +42,6 @@ public:
     const Vf scale =
       hn::Mul(Splat(static_cast<float>(FewSamples)), hn::Mul(curve.PerStep, curve.PerStep));
     this->MoveChanges = Scale(scale, FindLargestCurvature(curve.Position));
-    this->SkipTo = Splat(-1e30f);
-  }
-
-  /**
-   * Returns the lanes of `active` whose samples may be visible: of sample `number`, at q, index
-   * coordinates, which is s of a curve. Lanes of `expecting`, whose last sample was visible, expect
-   * the next one to be; the others query how many samples of the segment are empty for certain.
-   * `expecting` is none on return.
-   */
-  HWY_NOINLINE Mf LeapFrom(
-    const PacketCurve& curve, const Vec3& q, Vf s, Vf number, Mf active, Mf& expecting)
-  {
-    const Df d;
-    active = hn::And(active, hn::Ge(number, this->SkipTo));
-    const Vf empty = this->CountEmpty(curve, q, s, hn::AndNot(expecting, active));
-    expecting = hn::FirstN(d, 0);
-    const Mf leaps = hn::Gt(empty, hn::Zero(d));
-    this->SkipTo = hn::IfThenElse(leaps, hn::Add(number, empty), this->SkipTo);
-    return hn::AndNot(leaps, active);
   }
 
   /// Finds how many samples of the segment, from those of the lanes of `querying` at q, index
@@ -104,7 +85,6 @@ private:
   const PacketScene& Scene;
   CastStatistics& Statistics;
   Vec3 MoveChanges; ///< bounds for few samples
-  Vf SkipTo;        ///< samples of the segment before this one are empty for certain
 };
 
 } // namespace HWY_NAMESPACE

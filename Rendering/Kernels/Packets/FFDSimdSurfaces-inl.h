@@ -52,12 +52,13 @@ public:
     this->Next = { { zero, zero, zero, zero }, zero, zero, zero, { zero, zero, zero }, true };
   }
 
-  /// Composites the surfaces between the samples n, at q and s of a curve, and the next ones, as
-  /// RayIntegrator does: an interval that leaves or enters the volume ends at the face. `next`: the
-  /// values at the next samples that are in the volume, or null; `inner`: all voxels that the
-  /// samples and the intervals behind them need exist.
-  HWY_NOINLINE void Cross(
-    const PacketCurve& curve, const Vec3& q, Vf s, int n, Mf lanes, const Vf* next, bool inner)
+  /// Composites the surfaces between samples, at q and s of a curve, and the next ones, as
+  /// RayIntegrator does: an interval that leaves or enters the volume ends at the face. `number`:
+  /// that of the samples; `next`: the values at the next samples that are in the volume, or null;
+  /// `inner`: all are the samples n, and all voxels that they and the intervals behind them need
+  /// exist.
+  HWY_NOINLINE void Cross(const PacketCurve& curve, const Vec3& q, Vf s, int n, Vf number, Mf lanes,
+    const Vf* next, bool inner)
   {
     this->Inner = inner;
     const Df d;
@@ -76,21 +77,21 @@ public:
       this->FindFaces(curve, faces, insideA, interval);
       next = nullptr;
     }
-    this->FindBeginning(curve, n, insideA, any, interval);
+    this->FindBeginning(curve, number, insideA, any, interval);
     interval.B = next ? *next
       : this->Inner   ? this->Samples.FindInnerValue(n + 1, end, any)
                       : this->ValuesAt(this->PositionAt(curve, interval.To), any, false);
-    this->Cross(curve, n, insideB, any, interval);
+    this->Cross(curve, number, insideB, any, interval);
   }
 
   /// Does what Cross() does of samples all of whose voxels, and those of the intervals behind them,
   /// exist; `next`: the values at the next samples.
-  HWY_INLINE void CrossInner(const PacketCurve& curve, Vf s, int n, Mf lanes, Vf next)
+  HWY_INLINE void CrossInner(const PacketCurve& curve, Vf s, Vf number, Mf lanes, Vf next)
   {
     this->Inner = true;
     Interval interval{ s, hn::Add(s, curve.PerStep), this->Samples.State.Out.Tally, next };
-    this->FindBeginning(curve, n, lanes, lanes, interval);
-    this->Cross(curve, n, lanes, lanes, interval);
+    this->FindBeginning(curve, number, lanes, lanes, interval);
+    this->Cross(curve, number, lanes, lanes, interval);
   }
 
   /// Composites what the samples of a curve have crossed, before another curve begins.
@@ -152,14 +153,13 @@ private:
       : 0;
   }
 
-  /// Finds the values where the intervals behind the samples n begin, of the lanes of `any`;
+  /// Finds the values where the intervals behind the samples `number` begin, of the lanes of `any`;
   /// `inside`: rays whose samples are in the volume.
   HWY_INLINE void FindBeginning(
-    const PacketCurve& curve, int n, Mf inside, Mf any, Interval& interval)
+    const PacketCurve& curve, Vf number, Mf inside, Mf any, Interval& interval)
   {
     // Intervals that follow each other share a value: no surface slips through between them.
-    const Mf known =
-      hn::And(inside, hn::Eq(this->Samples.State.Out.TallyStep, Splat(static_cast<float>(n))));
+    const Mf known = hn::And(inside, hn::Eq(this->Samples.State.Out.TallyStep, number));
     const Mf unknown = hn::AndNot(known, any);
     if (!hn::AllFalse(Df(), unknown))
     {
@@ -168,15 +168,15 @@ private:
     }
   }
 
-  /// Composites the surfaces in the intervals behind the samples n, of the lanes of `any`;
+  /// Composites the surfaces in the intervals behind the samples `number`, of the lanes of `any`;
   /// `inside`: rays that are in the volume at the next sample.
   HWY_INLINE void Cross(
-    const PacketCurve& curve, int n, Mf inside, Mf any, const Interval& interval)
+    const PacketCurve& curve, Vf number, Mf inside, Mf any, const Interval& interval)
   {
     const Df d;
     this->Samples.State.Out.Tally = hn::IfThenElse(any, interval.B, this->Samples.State.Out.Tally);
     this->Samples.State.Out.TallyStep =
-      hn::IfThenElse(inside, Splat(static_cast<float>(n + 1)), Splat(-1e30f));
+      hn::IfThenElse(inside, hn::Add(number, Splat(1.0f)), Splat(-1e30f));
     // Values ascend, so do the crossings, or they descend. One at an end belongs to the interval
     // where the scalar passes it. Comparisons with what is not a number find none.
     const Mf up = hn::And(any, hn::Lt(interval.A, interval.B));

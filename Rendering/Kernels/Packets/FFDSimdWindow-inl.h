@@ -185,6 +185,9 @@ public:
     this->ToNextSlab = this->FindNextSlab(layers);
   }
 
+  /// Before samples that are not those of one number of the rays.
+  HWY_INLINE void Leave() { this->Fit = WindowFit::None; }
+
   /// Which window holds all voxels of any sample of the segment.
   HWY_INLINE WindowFit GetFit() const { return this->Fit; }
 
