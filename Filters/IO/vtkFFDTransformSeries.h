@@ -34,7 +34,8 @@
  * moving one: they are pull-backs of the moving image. With PullBack (the default) the lattice has
  * its inverse flag set, so that the deformation is the inverse of what the files say: volumes,
  * surfaces and points of the moving image are shown in the place of the fixed image, exactly, by
- * all that shows lattices. A lattice in a .vti file says itself what it is, and is left as it is.
+ * all that shows lattices. A lattice in a .vti file says itself what it is, and is left as it is:
+ * between it and a file of the other kind nothing is interpolated, which an error tells.
  *
  * Errors of Update() name the file and say what is wrong with it; the output is then empty.
  *

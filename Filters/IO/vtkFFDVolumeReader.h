@@ -8,8 +8,9 @@
  * patient. This one chooses VTK's reader by the content and the name of the file, and puts what the
  * file says of directions into origin, spacing and direction matrix of the image:
  * - a folder of DICOM slices, or any of the slices (one series of slices of one size, not
- *   compressed): position and orientation of the patient; slices at unequal distances are placed at
- *   equal ones, with a warning;
+ *   compressed, whose rescale slopes and intercepts are whole numbers in all or in none): position
+ *   and orientation of the patient; slices at unequal distances are placed at equal ones, with a
+ *   warning;
  * - NIfTI (.nii, .nii.gz, .hdr and .img): the sform, else (also where that is of zeros) the qform,
  *   else the axes as they are, and the unit of length;
  * - NRRD (.nrrd, .nhdr): space, space directions and space origin; without these spacings and axis

@@ -362,6 +362,18 @@ MUTANTS = (
         "number = hn::Add(number, hn::Add(steps, one));",
         python("PacketLooks")),
     Mutant(
+        "light: gradients beside values far beyond the functions have no direction",
+        "bound",
+        "(ofValues && !scene.Ranges) || most > NearRange * range };",
+        "(ofValues && !scene.Ranges) };",
+        python("Lighting")),
+    Mutant(
+        "normals of opacity: level pieces have a slope",
+        "term",
+        "line.Slope[0] = isLevel ? 0.0 : std::min(line.Slope[0], toOpaque);",
+        "line.Slope[0] = std::min(line.Slope[0], toOpaque);",
+        python("PacketLooks")),
+    Mutant(
         "labels: blocks of several are taken for one",
         "bound",
         "hn::AllFalse(di, hn::Eq(labels, hn::Set(di, LabelBlocks::Mixed)))",
