@@ -196,40 +196,25 @@ class TestVolumeReader(unittest.TestCase):
             with open(path, "rb") as file:
                 os.truncate(path, file.read().index(b"\xe0\x7f\x10\0"))
 
-        def empty(path):
-            """As Slice Thickness may be, of which VTK's reader crashed."""
-            with open(path, "rb") as file:
-                content = file.read()
-            with open(path, "wb") as file:
-                file.write(content.replace(b"\x18\0\x50\0DS\4\0002.5 ", b"\x18\0\x50\0DS\0\0"))
+        def replacing(old, new):
+            def act(path):
+                with open(path, "rb") as file:
+                    content = file.read()
+                self.assertIn(old, content)
+                with open(path, "wb") as file:
+                    file.write(content.replace(old, new))
+            return act
 
-        def damage_type(path):
-            """Of Slice Thickness: what follows is no length. VTK's reader crashed."""
-            with open(path, "rb") as file:
-                content = file.read()
-            with open(path, "wb") as file:
-                file.write(content.replace(b"\x18\0\x50\0DS\4\0", b"\x18\0\x50\0D\x99\4\x96"))
-
-        def rename_columns(path):
-            """There is no such element, and it is out of order. VTK's reader crashed."""
-            with open(path, "rb") as file:
-                content = file.read()
-            with open(path, "wb") as file:
-                file.write(content.replace(b"\x28\0\x11\0US", b"\0\0\x11\0US"))
-
-        def leave_out_type(path):
-            """The length has four bytes then, as in files of some scanners."""
-            with open(path, "rb") as file:
-                content = file.read()
-            with open(path, "wb") as file:
-                file.write(content.replace(b"\x18\0\x50\0DS\4\0", b"\x18\0\x50\0\4\0\0\0"))
-
-        def rescale(path):
-            """VTK's reader wrote real numbers where it had memory for whole ones."""
-            with open(path, "rb") as file:
-                content = file.read()
-            with open(path, "wb") as file:
-                file.write(content.replace(b"\x28\0\x53\x10DS\2\0001 ", b"\x28\0\x53\x10DS\4\0000.5 "))
+        # VTK's reader crashed of the first three, and wrote real numbers where it had memory for whole
+        # ones of the last.
+        empty = replacing(b"\x18\0\x50\0DS\4\0002.5 ", b"\x18\0\x50\0DS\0\0")  # Slice Thickness may be
+        # What follows is no length.
+        damage_type = replacing(b"\x18\0\x50\0DS\4\0", b"\x18\0\x50\0D\x99\4\x96")
+        # There is no such element, and it is out of order.
+        rename_columns = replacing(b"\x28\0\x11\0US", b"\0\0\x11\0US")
+        # The length has four bytes then, as in files of some scanners.
+        leave_out_type = replacing(b"\x18\0\x50\0DS\4\0", b"\x18\0\x50\0\4\0\0\0")
+        rescale = replacing(b"\x28\0\x53\x10DS\2\0001 ", b"\x28\0\x53\x10DS\4\0000.5 ")
 
         for number, (act, problem, warnings) in enumerate((
                 (damage_type, "is not whole", 0), (leave_out_type, "", 0),

@@ -139,8 +139,7 @@ std::string FindSliceProblem(const std::string& path, const vtkFFDDicomSliceHead
   if (slice.Pixels == vtkFFDDicomSliceHeader::FOUND && !slice.HasSize())
   {
     return NameSlice(path) +
-      "has pixels, but lacks Rows (0028,0010), Columns (0028,0011) or Bits "
-      "Allocated (0028,0100)";
+      "has pixels, but lacks Rows (0028,0010), Columns (0028,0011) or Bits Allocated (0028,0100)";
   }
   return slice.Empty
     ? NameSlice(path) + "has no value of " + slice.Empty + ", which VTK's reader needs"

@@ -256,8 +256,7 @@ std::string NrrdFile::FindProblem() const
   if (HasComponentsWithoutSizes(this->Text))
   {
     return "it cannot be read: VTK's reader needs the fields 'dimension' and 'sizes' in this "
-           "order, "
-           "in lower case";
+           "order, in lower case";
   }
   return this->FindDataProblem(0.0);
 }
