@@ -23,6 +23,9 @@ namespace ffd
 namespace HWY_NAMESPACE
 {
 
+/// In the place of the number of a sample, where there is none.
+constexpr float NoNumber = -1e30f;
+
 /// The pixels of a packet: the samples so far, blended.
 struct PacketPixels
 {
@@ -31,7 +34,7 @@ struct PacketPixels
   Vf FirstVisible; ///< t
   Vf Tally;        ///< the extreme, or the sum; of surfaces, the value at TallyStep
   Vf TallyLength;  ///< length over which samples were summed up, data units
-  Vf TallyStep;    ///< number of the sample whose value is known, or a negative one
+  Vf TallyStep;    ///< number of the sample whose value is known, or NoNumber
 };
 
 HWY_INLINE Mf IsInside(const PacketScene& scene, const Vec3& q)

@@ -399,8 +399,6 @@ private:
   PacketGradients<T>& Samples;
   const PacketScene& Scene;
 
-  static constexpr float NoNumber = -1e30f;
-
   // The last samples, their numbers and values.
   Vf LastNumber;
   Vf LastValue;

@@ -43,10 +43,8 @@ HWY_NOINLINE inline void BringIntoReach(Vec3& v)
   const Mf beyond = hn::AndNot(HasSquare(squared), hn::Ne(squared, hn::Zero(d)));
   if (HWY_UNLIKELY(!hn::AllFalse(d, beyond)))
   {
-    const Vf two70 = Splat(1180591620717411303424.0f);
-    const Vf other =
-      hn::IfThenElse(hn::Lt(squared, Splat(1.0f)), two70, hn::Div(Splat(1.0f), two70));
-    v = Scale(hn::IfThenElse(beyond, other, Splat(1.0f)), v);
+    const Vf factor = hn::IfThenElse(hn::Lt(squared, Splat(1.0f)), Splat(0x1p70f), Splat(0x1p-70f));
+    v = Scale(hn::IfThenElse(beyond, factor, Splat(1.0f)), v);
   }
 }
 

@@ -47,7 +47,7 @@ public:
   HWY_INLINE void Begin()
   {
     const Vf zero = hn::Zero(Df());
-    this->Samples.State.Out.TallyStep = Splat(-1e30f);
+    this->Samples.State.Out.TallyStep = Splat(NoNumber);
     // Lanes that cross nothing are numbers, too.
     this->Next = { { zero, zero, zero, zero }, zero, zero, zero, { zero, zero, zero }, true };
   }
@@ -176,7 +176,7 @@ private:
     const Df d;
     this->Samples.State.Out.Tally = hn::IfThenElse(any, interval.B, this->Samples.State.Out.Tally);
     this->Samples.State.Out.TallyStep =
-      hn::IfThenElse(inside, hn::Add(number, Splat(1.0f)), Splat(-1e30f));
+      hn::IfThenElse(inside, hn::Add(number, Splat(1.0f)), Splat(NoNumber));
     // Values ascend, so do the crossings, or they descend. One at an end belongs to the interval
     // where the scalar passes it. Comparisons with what is not a number find none.
     const Mf up = hn::And(any, hn::Lt(interval.A, interval.B));
