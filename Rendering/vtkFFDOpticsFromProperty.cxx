@@ -262,8 +262,15 @@ GradientOpacity MakeGradientOpacity(
   {
     return GradientOpacity();
   }
-  // As VTK's mappers: magnitudes up to a quarter of the range of the scalars matter.
-  const double largest = range.Max > range.Min ? 0.25 * (range.Max - range.Min) : 0.25;
+  // As VTK's mappers: magnitudes up to a quarter of the range of the scalars matter. Behind its
+  // last point the function is constant: that range may be far wider, as beside values that stand
+  // for no data.
+  double largest = range.Max > range.Min ? 0.25 * (range.Max - range.Min) : 0.25;
+  const double last = function->GetRange()[1];
+  if (function->GetClamping() && last > 0.0)
+  {
+    largest = std::min(largest, last);
+  }
   std::vector<float> factors(GradientTable);
   function->GetTable(0.0, largest, GradientTable, factors.data());
   for (float& factor : factors)

@@ -185,6 +185,55 @@ TEST(MinMaxBlocks, LimitsHoldBesideFillValues)
   });
 }
 
+TEST(MinMaxBlocks, WhatIsFarFromAllOthersTakesNoSteps)
+{
+  ForEveryTarget([] {
+    constexpr double largest = std::numeric_limits<float>::max();
+    const std::pair<ScalarType, double> fills[] = { { ScalarType::Int32, 2e9 },
+      { ScalarType::UInt32, 4e9 }, { ScalarType::Int64, 1e18 }, { ScalarType::Float32, 1e4 },
+      { ScalarType::Float32, 1e20 }, { ScalarType::Float32, largest },
+      { ScalarType::Float64, 1e300 }, { ScalarType::Float64, std::numeric_limits<double>::max() } };
+    for (const auto& [type, fill] : fills)
+    {
+      for (const double sign : { 1.0, -1.0 })
+      {
+        if (type == ScalarType::UInt32 && sign < 0.0)
+        {
+          continue;
+        }
+        // Whole parents have nothing else, and one has both.
+        RandomLattice random(3);
+        const double end = sign * fill;
+        const auto isFilled = [](int i, int k) { return k <= 8 || (i == 12 && k == 20); };
+        const TestVolume volume(type, glm::ivec3(26, 9, 26),
+          [&](int i, int, int k) { return isFilled(i, k) ? end : random.Number(1000.0, 2000.0); });
+        const MinMaxBlocks blocks(volume.View, ParallelFor());
+        const double wide = sign > 0.0 ? blocks.GetRange().Max : blocks.GetRange().Min;
+        EXPECT_EQ(wide, volume.At(0, 0, 0));
+        EXPECT_GE(blocks.GetCommonRange().Min, 1000.0) << end;
+        EXPECT_LE(blocks.GetCommonRange().Max, 2000.0) << end;
+        int common = 0;
+        ForEachBlock(blocks, [&](const glm::ivec3& block, const MinMaxBlocks::Limits& limits) {
+          const MinMaxBlocks::Limits truth = BruteForce(volume, block);
+          ASSERT_LE(limits.Min, truth.Min) << end;
+          ASSERT_GE(limits.Max, truth.Max) << end;
+          const MinMaxBlocks::Limits parent = blocks.GetParentLimits(block / 2);
+          if (parent.Max <= 2001.0 && parent.Min >= 999.0)
+          {
+            ++common;
+            ASSERT_LE(limits.Max, truth.Max + 1000.0 / 126.0) << end;
+          }
+          else if (block.z < 2)
+          {
+            ASSERT_TRUE(sign > 0.0 ? limits.Min > 2000.0 : limits.Max < 1000.0) << end;
+          }
+        });
+        EXPECT_GT(common, 30);
+      }
+    }
+  });
+}
+
 TEST(MinMaxBlocks, NotANumberIsLeftOut)
 {
   ForEveryTarget([] {
@@ -266,7 +315,8 @@ double FindBound(const ValuePeaks& peaks, const float low[3], const float high[3
   {
     cell[a] = std::clamp(static_cast<int>(std::floor(low[a] / grid->Edge)), 0, grid->Size[a] - 1);
   }
-  return peaks.GetLow() + grid->Codes[GridIndex(cell, grid->Size)] * peaks.GetStep();
+  const int code = grid->Codes[GridIndex(cell, grid->Size)];
+  return code == ValuePeaks::LastCode ? peaks.GetHigh() : peaks.GetLow() + code * peaks.GetStep();
 }
 
 TEST(ValuePeaks, BoundTheValuesOfBoxes)
@@ -275,14 +325,17 @@ TEST(ValuePeaks, BoundTheValuesOfBoxes)
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
-  for (const ScalarType type : { ScalarType::UInt8, ScalarType::Int16, ScalarType::Float32 })
+  const std::pair<ScalarType, double> fills[] = { { ScalarType::UInt8, 100.0 },
+    { ScalarType::Int16, 100.0 }, { ScalarType::Float32, NaN }, { ScalarType::Float32, 1e9 },
+    { ScalarType::Float32, -1e9 }, { ScalarType::Float32, 3.4028234663852886e38 } };
+  for (const auto& [type, fill] : fills)
   {
     const glm::ivec3 size(75, 40, 61);
-    // Smooth, so that bounds can be close, and not a number in some voxels.
-    const TestVolume volume(type, size, [&](int i, int j, int k) {
-      return type == ScalarType::Float32 && i > 60 && j < 10
-        ? NaN
-        : 100.0 + 60.0 * std::sin(0.05 * i) * std::cos(0.07 * j) - 0.5 * k;
+    // Smooth, so that bounds can be close, and not a number, or far from all others, in some
+    // voxels.
+    const TestVolume volume(type, size, [&, of = fill](int i, int j, int k) {
+      return i > 60 && j < 10 ? of
+                              : 100.0 + 60.0 * std::sin(0.05 * i) * std::cos(0.07 * j) - 0.5 * k;
     });
     const MinMaxBlocks blocks(volume.View, ParallelFor());
     const bool sparing = type == ScalarType::UInt8;
@@ -314,8 +367,8 @@ TEST(ValuePeaks, BoundTheValuesOfBoxes)
         });
         const double bound = FindBound(peaks, low, high);
         EXPECT_GE(bound + 1e-9, largest);
-        EXPECT_LT(bound, 1e6);
-        looseness += std::isfinite(largest) ? bound - largest : 0.0;
+        EXPECT_LT(bound, std::max(1e6, 1.1 * std::abs(fill)));
+        looseness += std::abs(largest) < 1e6 && bound < 1e6 ? bound - largest : 0.0;
       }
       const float low[3] = { 0.0f, 0.0f, 0.0f };
       const float high[3] = { 40.0f, 1.0f, 1.0f };

@@ -121,6 +121,59 @@ class TestScales(unittest.TestCase):
                             pictures.append(scene.render())
                         self.expect_same(pictures[1], pictures[0])
 
+    def test_no_data_of_the_largest_numbers(self):
+        """They look as the function has them, not as the nearest of the other values."""
+        for kind in (numpy.float32, numpy.float64):
+            for sign in (-1, 1):
+                for deformed in (False, True):
+                    with self.subTest(kind=kind, sign=sign, deformed=deformed):
+                        pictures = []
+                        for fill in (1e6, float(numpy.finfo(kind).max)):
+                            values = (50.0 + 0.4 * make_values()).astype(kind)
+                            values[:4] = sign * fill
+                            scene = Scene(values, deformed=deformed)
+                            scene.property.SetScalarOpacity(
+                                scene.ramp((0, 0), (40, 0), (70, 0.4), (100, 0)))
+                            pictures.append(scene.render())
+                        self.expect_same(pictures[1], pictures[0])
+
+    def test_leaping_beside_no_data(self):
+        """What is empty by the other values is leaped over, as without what stands for none."""
+        mapper = vtkffd.vtkFFDInverseRayVolumeMapper
+        z, y, x = numpy.mgrid[0:SIDE, 0:SIDE, 0:SIDE] - 0.5 * (SIDE - 1)
+        distance = numpy.sqrt(x * x + y * y + z * z)
+        for kind, fills in ((numpy.float32, (-1, 1e5, -1e20, -3.4028234663852886e38)),
+                            (numpy.float64, (-1, 1e5, -1e20, -1.7976931348623157e308)),
+                            (numpy.int32, (-1, -2147483648))):
+            for mode in (mapper.COMPOSITE_BLEND, mapper.MAXIMUM_INTENSITY_BLEND):
+                samples = []
+                for fill in fills:
+                    # A ball in the middle can be seen.
+                    values = numpy.maximum(100.0 - 6.0 * distance, 0.0).astype(kind)
+                    values[:4] = fill
+                    scene = Scene(values)
+                    scene.mapper.SetBlendMode(mode)
+                    scene.mapper.SetCollectStatistics(True)
+                    scene.property.SetScalarOpacity(scene.ramp((70, 0), (95, 0.5), (100, 0.5), (101, 0)))
+                    scene.render()
+                    samples.append(scene.mapper.GetStatistics().GetSamplesPerRay())
+                for fill, count in zip(fills, samples):
+                    with self.subTest(kind=kind, mode=mode, fill=fill):
+                        self.assertGreater(count, 1.0)
+                        self.assertLess(count, 1.3 * samples[0])
+
+    def test_gradient_opacity_beside_no_data(self):
+        """The points of the function are met, however wide the range of the scalars is."""
+        pictures = []
+        for fill in (-100.0, -1e5, -1e20):
+            values = make_values().astype(numpy.float32)
+            values[:4] = fill
+            scene = Scene(values)
+            scene.property.SetGradientOpacity(scene.ramp((0, 0), (5, 0), (15, 1)))
+            pictures.append(scene.render())
+        for picture in pictures[1:]:
+            self.expect_same(picture, pictures[0], 1.0)
+
     def test_integers_far_from_others(self):
         for kind, offset, fill in (
                 (numpy.int32, 2147483000, -2147483648), (numpy.int32, -2147483648, 2147483647),

@@ -29,12 +29,11 @@ constexpr bool HasCodes = std::is_integral_v<T> && sizeof(T) <= 2;
 /// Of children that hold no number, or do not exist.
 constexpr MinMaxBlocks::CodeLimits NoCodes{ std::numeric_limits<std::uint16_t>::max() + 1, -1 };
 
-/// Whether a scalar has no place in the range of the volume: differences of the very largest
-/// numbers are infinite, so these count as infinite, too.
+/// Whether the difference of two scalars of a type is infinite.
 template <class T>
-bool IsOutOfRange(T value)
+bool IsTooWide(const MinMaxBlocks::Limits& range)
 {
-  return !(std::abs(value) <= std::numeric_limits<T>::max() / 4);
+  return range.Max - range.Min > static_cast<double>(std::numeric_limits<T>::max());
 }
 
 /**
@@ -89,8 +88,8 @@ public:
       other.Min.data(), other.Max.data(), this->Min.size(), this->Min.data(), this->Max.data());
   }
 
-  /// The same without numbers that have no place in the range of the volume.
-  void AddInRange(const T* row, std::ptrdiff_t increment)
+  /// The same of a row without numbers of which the magnitude is above `largest`.
+  void AddUpTo(T largest, const T* row, std::ptrdiff_t increment)
   {
     const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(this->Min.size());
     T* const min = this->Min.data();
@@ -98,7 +97,7 @@ public:
     for (std::ptrdiff_t i = 0; i < count; ++i)
     {
       const T value = row[i * increment];
-      const bool counts = !IsOutOfRange(value);
+      const bool counts = std::abs(value) <= largest;
       const T low = counts ? value : min[i];
       const T high = counts ? value : max[i];
       min[i] = low < min[i] ? low : min[i];
@@ -154,11 +153,13 @@ const T* FindRow(const VolumeView& volume, int j, int k)
     k * volume.Increments[2];
 }
 
+/// The range of the scalars of which the magnitude is at most `largest`.
 template <class T>
-MinMaxBlocks::Limits FindRange(const VolumeView& volume, const ParallelFor& parallelFor)
+MinMaxBlocks::Limits FindRangeUpTo(
+  T largest, const VolumeView& volume, const ParallelFor& parallelFor)
 {
   std::vector<std::pair<T, T>> slices(static_cast<std::size_t>(volume.Dimensions.z));
-  parallelFor(slices.size(), [&volume, &slices](std::size_t firstSlice, std::size_t lastSlice) {
+  parallelFor(slices.size(), [&](std::size_t firstSlice, std::size_t lastSlice) {
     RowExtremes<T> rows(volume.Dimensions.x);
     for (std::size_t k = firstSlice; k < lastSlice; ++k)
     {
@@ -168,7 +169,7 @@ MinMaxBlocks::Limits FindRange(const VolumeView& volume, const ParallelFor& para
         const T* row = FindRow<T>(volume, j, static_cast<int>(k));
         if constexpr (std::is_floating_point_v<T>)
         {
-          rows.AddInRange(row, volume.Increments[0]);
+          rows.AddUpTo(largest, row, volume.Increments[0]);
         }
         else
         {
@@ -358,13 +359,45 @@ MinMaxBlocks::Limits FindRange(const VolumeView& volume,
       range.Max = std::max(range.Max, static_cast<double>(max));
     }
   }
-  bool unknown = extremes.empty();
-  if constexpr (std::is_floating_point_v<T>)
+  constexpr T largest = std::numeric_limits<T>::max();
+  const bool infinite = range.Min <= range.Max && !std::isfinite(range.Max - range.Min);
+  if (extremes.empty() || infinite)
   {
-    const auto isOut = [](double end) { return IsOutOfRange(static_cast<T>(end)); };
-    unknown = unknown || (range.Min <= range.Max && (isOut(range.Min) || isOut(range.Max)));
+    range = FindRangeUpTo<T>(largest, volume, parallelFor);
   }
-  return unknown ? FindRange<T>(volume, parallelFor) : range;
+  return std::is_floating_point_v<T> && IsTooWide<T>(range)
+    ? FindRangeUpTo<T>(largest / 4, volume, parallelFor)
+    : range;
+}
+
+/// Leaves out the ends of a range that are farther from all other scalars than these from each
+/// other. `extremes`: of blocks, each of which holds the end or not.
+template <class T>
+MinMaxBlocks::Limits FindCommonRange(
+  const MinMaxBlocks::Limits& range, const std::vector<std::pair<T, T>>& extremes)
+{
+  MinMaxBlocks::Limits inner{ range.Max, range.Min };
+  const auto include = [&](T end) {
+    const double scalar = static_cast<double>(end);
+    inner.Min = scalar > range.Min ? std::min(inner.Min, scalar) : inner.Min;
+    inner.Max = scalar < range.Max ? std::max(inner.Max, scalar) : inner.Max;
+  };
+  for (const auto& [min, max] : extremes)
+  {
+    if (min <= max)
+    {
+      include(min);
+      include(max);
+    }
+  }
+  MinMaxBlocks::Limits common = range;
+  const double width = inner.Max - inner.Min;
+  if (width >= 0.0)
+  {
+    common.Min = inner.Min - range.Min > width ? inner.Min : range.Min;
+    common.Max = range.Max - inner.Max > width ? inner.Max : range.Max;
+  }
+  return common;
 }
 
 } // namespace
@@ -392,15 +425,8 @@ MinMaxBlocks::MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallel
         extremes = FindBlockExtremes<T>(volume, this->Blocks, parallelFor);
       }
       this->Range = FindRange<T>(volume, extremes, parallelFor);
-      this->FirstScalar = this->Range.Min;
-      const double width = this->Range.Max - this->Range.Min;
-      this->LastCode = std::is_integral_v<T> && width <= 255.0 ? 255 : 65535;
-      this->CodeStep = this->LastCode == 65535 && width > 0.0 ? width / 65535.0 : 1.0;
-      if (this->LastCode == 65535)
-      {
-        this->Rounding = 8.0 * std::numeric_limits<double>::epsilon() *
-          std::max(std::abs(this->Range.Min), std::abs(this->Range.Max));
-      }
+      this->CommonRange = FindCommonRange<T>(this->Range, extremes);
+      this->SetCodes(std::is_integral_v<T>);
     }
     this->Codes.resize(this->NumberOfBlocks);
     this->LastCode == 255 ? this->ParentBytes.resize(2 * parents)
@@ -414,8 +440,30 @@ MinMaxBlocks::MinMaxBlocks(const VolumeView& volume, const ParallelFor& parallel
       this->EncodeVolume<T>(volume, parallelFor);
       this->Range = this->LastCode == 255 ? this->FindRangeOfParents(this->ParentBytes)
                                           : this->FindRangeOfParents(this->ParentWords);
+      this->CommonRange = this->Range;
     }
   });
+}
+
+//------------------------------------------------------------------------------
+void MinMaxBlocks::SetCodes(bool integral)
+{
+  const Limits& common = this->CommonRange;
+  this->FirstScalar = this->Range.Min;
+  this->LastCode = integral && this->Range.Max - this->Range.Min <= 255.0 ? 255 : 65535;
+  if (this->LastCode == 255)
+  {
+    return;
+  }
+  // What lies beyond the common range has the first or the last code.
+  const int below = common.Min > this->Range.Min ? 1 : 0;
+  const int above = common.Max < this->Range.Max ? 1 : 0;
+  const double width =
+    common.Max > common.Min ? common.Max - common.Min : this->Range.Max - this->Range.Min;
+  this->CodeStep = width > 0.0 ? width / (this->LastCode - below - above) : 1.0;
+  this->FirstScalar = common.Min - below * this->CodeStep;
+  this->Rounding = 8.0 * std::numeric_limits<double>::epsilon() *
+    std::max(std::abs(this->FirstScalar), std::abs(common.Max));
 }
 
 //------------------------------------------------------------------------------
@@ -624,9 +672,16 @@ MinMaxBlocks::Limits MinMaxBlocks::Decode(const CodeLimits& codes) const
   {
     return limits;
   }
-  // The first code has the smallest scalar alone.
-  return { std::max(this->Range.Min, limits.Min - this->Rounding),
-    codes.Max > 0 ? std::min(this->Range.Max, limits.Max + this->Rounding) : limits.Max };
+  // A block with the first code as its maximum has the smallest scalar alone, one with the last
+  // code as its minimum the largest, if that is not common.
+  const bool isLargest = codes.Min == this->LastCode && this->CommonRange.Max < this->Range.Max;
+  const double min = codes.Min == 0 ? this->Range.Min
+    : isLargest                     ? this->Range.Max
+                                    : std::max(this->Range.Min, limits.Min - this->Rounding);
+  const double max = codes.Max == 0 ? this->Range.Min
+    : codes.Max == this->LastCode   ? this->Range.Max
+                                    : std::min(this->Range.Max, limits.Max + this->Rounding);
+  return { min, max };
 }
 
 //------------------------------------------------------------------------------

@@ -27,14 +27,14 @@ namespace ffd
  * lie elsewhere, a block has all voxels that a sample in it is interpolated from.
  *
  * Limits are codes of equal steps, rounded outwards: whole numbers of 8 or 16 bits and ranges of at
- * most 255 whole numbers, else 65535 steps over the range. They are stored for parents of 2^3
- * blocks; a block keeps seven bits that say where, between the limits of its parent, its own
+ * most 255 whole numbers, else 65535 steps over the common range. They are stored for parents of
+ * 2^3 blocks; a block keeps seven bits that say where, between the limits of its parent, its own
  * maximum is, again rounded outwards, and one that says whether its minimum is in the upper half.
  * So they take 2 % of an 8-bit volume and less of others.
  *
  * Voxels that are not a number are left out: a sample next to one is not a number either and
- * contributes nothing. Infinite ones, and floating-point numbers above a quarter of the largest
- * one, count as the nearest end of the range.
+ * contributes nothing. Infinite ones count as the nearest end of the range; so do floating-point
+ * numbers above a quarter of the largest one where differences of scalars would be infinite.
  */
 class FFD_VOLUMES_EXPORT MinMaxBlocks
 {
@@ -55,6 +55,10 @@ public:
 
   /// Range of the finite scalars of the whole volume; Min > Max when there is none.
   const Limits& GetRange() const { return this->Range; }
+
+  /// The range without its ends where these are far from all other scalars, as values that stand
+  /// for no data. Of what lies beyond it limits say no more than that.
+  const Limits& GetCommonRange() const { return this->CommonRange; }
 
   /// Parents along each axis; parent p holds the blocks 2 p and 2 p + 1.
   const glm::ivec3& GetParents() const { return this->Parents; }
@@ -182,6 +186,8 @@ private:
   CodeLimits Encode(const std::pair<T, T>& limits) const;
   void EncodeParents(int y, int z, Children& children);
   void SetParentCodes(const glm::ivec3& parent, const CodeLimits& codes);
+  /// Finds the codes of scalars of Range, most of them in CommonRange.
+  void SetCodes(bool integral);
   template <class Code>
   Limits FindRangeOfParents(const std::vector<Code>& parents) const;
 
@@ -189,6 +195,7 @@ private:
   glm::ivec3 Parents{ 0 };
   std::size_t NumberOfBlocks = 0;
   Limits Range{ 0.0, -1.0 };
+  Limits CommonRange{ 0.0, -1.0 };
   double FirstScalar = 0.0; // of code 0
   double CodeStep = 1.0;    // scalar units per code
   double Rounding = 0.0;    // of scalars and codes into each other, at most

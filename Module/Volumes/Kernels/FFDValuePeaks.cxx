@@ -73,11 +73,17 @@ Codes Fill(const glm::ivec3& size, const ParallelFor& parallelFor, const CodeOf&
 ValuePeaks::ValuePeaks(
   const MinMaxBlocks& blocks, int sign, bool sparing, const ParallelFor& parallelFor)
 {
-  const MinMaxBlocks::Limits range = blocks.GetRange();
-  const bool any = range.Min <= range.Max;
-  this->Low = !any ? 0.0 : sign > 0 ? range.Min : -range.Max;
-  this->High = !any ? 0.0 : sign > 0 ? range.Max : -range.Min;
-  this->Step = any && range.Max > range.Min ? (range.Max - range.Min) / LastCode : 1.0;
+  const MinMaxBlocks::Limits& range = blocks.GetRange();
+  if (range.Min <= range.Max)
+  {
+    const MinMaxBlocks::Limits& common = blocks.GetCommonRange();
+    this->Low = sign > 0 ? common.Min : -common.Max;
+    this->High = sign > 0 ? range.Max : -range.Min;
+    // What is larger than all that is common has the last code.
+    const double width = common.Max - common.Min;
+    const int codes = this->High > this->Low + width ? LastCode - 1 : LastCode;
+    this->Step = width > 0.0 ? width / codes : 1.0;
+  }
   const glm::ivec3 size = blocks.GetBlocks();
   const auto codeOf = [&](const glm::ivec3& block) {
     const MinMaxBlocks::Limits limits = blocks.GetLimits(block);

@@ -47,11 +47,12 @@ public:
   /// The finest grid for boxes whose sides are at most `extent` voxels; null where there is none.
   const Grid* FindGrid(float extent) const;
 
-  /// Code c stands for values, times the sign, of at most GetLow() + c * GetStep().
+  /// Code c stands for values, times the sign, of at most GetLow() + c * GetStep(), the last one
+  /// for those of at most GetHigh().
   double GetLow() const { return this->Low; }
   double GetStep() const { return this->Step; }
 
-  /// The largest value, times the sign: exact, where the last code may not be.
+  /// The largest value, times the sign.
   double GetHigh() const { return this->High; }
 
   std::size_t GetMemorySize() const;
