@@ -59,6 +59,8 @@
  *   quarter or the range of Transfer2DYAxisArray; their opacity is that over the unit distance.
  *   vtkGPUVolumeRayCastMapper does not correct it for the sample distance.
  * - Color functions in all color spaces, with logarithmic scale and colors beyond the range.
+ *   Functions are looked up in at most 16384 equal steps, as in VTK's mappers: the small end of
+ *   logarithmic ones over five decades and more is coarse.
  * - Interpolation is nearest or linear: vtkVolumeProperty offers no other (it clamps to these).
  *
  * Blend modes (vtkVolumeMapper::SetBlendMode) look as with vtkGPUVolumeRayCastMapper:
@@ -557,7 +559,7 @@ public:
    */
   enum MaskTypes
   {
-    BinaryMaskType = 0, ///< nothing is rendered where it is 0
+    BinaryMaskType = 0, ///< nothing is rendered where it is 0 or negative
     LabelMapMaskType    ///< labels have functions of their own
   };
 

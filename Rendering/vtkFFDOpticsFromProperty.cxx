@@ -23,8 +23,6 @@ namespace ffd
 namespace
 {
 
-/// Entries of a transfer table: at least, and at most (then it takes 320 kB).
-
 /// Entries of the table of a gradient opacity.
 constexpr int GradientTable = 1024;
 
@@ -148,32 +146,44 @@ struct TableFunctions
         std::fill_n(&rgb[3 * i], 3, grays[i]);
       }
     }
-    else if (this->Color && !this->IsLogarithmic())
+    else if (this->Color && this->HasLogarithmicColors())
     {
-      this->Color->GetTable(lo, hi, size, rgb);
+      // VTK has no table that reaches numbers which are not positive.
+      const double step = (hi - lo) / (size - 1);
+      const double least = 1e-3 * std::min(step, this->Color->GetRange()[0]);
+      const LogarithmicColors colors(this->Color, std::max(lo, least), hi);
+      for (int i = 0; i < size; ++i)
+      {
+        double color[3];
+        colors.Find(std::max(lo + step * i, least), color);
+        std::copy_n(color, 3, &rgb[3 * static_cast<std::size_t>(i)]);
+      }
     }
     else if (this->Color)
     {
-      // Over a range that is not positive there is no table; the first color holds there.
-      double least[3];
-      this->Color->GetColor(this->Color->GetRange()[0], least);
+      this->Color->GetTable(lo, hi, size, rgb);
+      // Where a table of VTK begins before the first point it is black there.
       const double step = (hi - lo) / (size - 1);
-      const LogarithmicColors colors(this->Color, std::max(lo, 1e-3 * step), hi);
-      for (int i = 0; i < size; ++i)
+      const double first = std::floor((this->Color->GetRange()[0] - lo) / step);
+      for (double i = std::max(0.0, first); i <= std::min(first + 1.0, size - 1.0); ++i)
       {
-        const double x = lo + (hi - lo) * i / (size - 1);
-        double color[3] = { least[0], least[1], least[2] };
-        if (x > 0.0)
-        {
-          colors.Find(x, color);
-        }
+        double color[3];
+        this->Color->GetColor(lo + step * i, color);
         std::copy_n(color, 3, &rgb[3 * static_cast<std::size_t>(i)]);
       }
     }
   }
+  /// Whether a function is logarithmic: VTK's are linear where they begin at 0 or below.
   bool IsLogarithmic() const
   {
-    return !this->Gray && this->Color && this->Color->GetScale() == VTK_CTF_LOG10;
+    return (this->Opacity && this->Opacity->GetUseLogScale()) || this->HasLogarithmicColors();
+  }
+
+private:
+  bool HasLogarithmicColors() const
+  {
+    return !this->Gray && this->Color && this->Color->GetScale() == VTK_CTF_LOG10 &&
+      this->Color->GetRange()[0] > 0.0;
   }
 };
 
@@ -189,14 +199,6 @@ TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Lim
   if (!functions.IsClamped())
   {
     last = first - 1.0;
-  }
-  else if (!functions.Gray && functions.Color && first <= last &&
-    (functions.Color->GetUseBelowRangeColor() || functions.Color->GetUseAboveRangeColor()))
-  {
-    // Colors below and above the range are constant there, too, but begin just beyond the points.
-    const double margin = std::max(1.0, 1e-3 * (last - first));
-    first -= margin;
-    last += margin;
   }
   const TableLayout layout =
     LayOutTable(range.Min, range.Max, first, last, [&functions](double lo, double hi) {

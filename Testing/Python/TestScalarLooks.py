@@ -414,6 +414,120 @@ class TestScalarLooks(unittest.TestCase):
         self.set_points(numpy.linspace(-10.0, -1.0, SIZE ** 3))
         self.expect([0.2, 0.3, 0.8, 1.0])
 
+    def show(self, value, low, high):
+        """Voxels of a value, behind which others are, from `low` to `high`."""
+        values = numpy.full((SIZE, SIZE * SIZE), value, dtype=numpy.float64)
+        values[0] = numpy.linspace(low, high, SIZE * SIZE)
+        self.image.GetPointData().SetScalars(numpy_to_vtk(values.ravel(), deep=True))
+
+    def expect_colors(self, points, low, high, change=lambda colors: None):
+        """Those of a function, at its points, between and beyond them."""
+        colors = vtkColorTransferFunction()
+        colors.AllowDuplicateScalarsOn()
+        for x, *rgb in points:
+            colors.AddRGBPoint(x, *rgb)
+        change(colors)
+        self.set_functions(0, 1.0, 0.0, 0.0, 0.0)
+        self.prop.SetColor(0, colors)
+        places = [x for x, *_ in points]
+        inner = numpy.linspace(low, high, 9)[1:-1]
+        for value in [*places, *(x for x in inner if min(abs(x - p) for p in places) > 0.05)]:
+            for reference in (False, True):
+                with self.subTest(points=points, value=value, reference=reference):
+                    self.mapper.SetReferenceKernels(reference)
+                    self.show(value, low, high)
+                    self.expect([*colors.GetColor(value), 1.0])
+
+    def test_functions_of_one_point(self):
+        for low, high in ((-1.0, 2.0), (-300.0, 500.0), (1.0, 1.5), (100.0, 101.0)):
+            self.expect_colors([(1.0, 0.3, 0.9, 0.6)], low, high)
+
+        def beyond(colors):
+            colors.UseBelowRangeColorOn()
+            colors.SetBelowRangeColor(0.0, 0.2, 1.0)
+            colors.UseAboveRangeColorOn()
+            colors.SetAboveRangeColor(1.0, 0.0, 0.4)
+
+        self.expect_colors([(1.0, 0.3, 0.9, 0.6)], -300.0, 500.0, beyond)
+        self.expect_colors([(1.0, 0.3, 0.9, 0.6), (2.0, 0.9, 0.5, 0.1)], -5.0, 8.0, beyond)
+
+    def test_steps_at_the_last_points(self):
+        for scale, low, high in ((1.0, -1.0, 80.0), (1e-3, -1e-3, 0.08)):
+            step = [(20.0 * scale, 1.0, 0.0, 0.0), (40.0 * scale, 1.0, 0.0, 0.0),
+                    (40.0 * scale, 0.0, 1.0, 0.0)]
+            colors = vtkColorTransferFunction()
+            colors.AllowDuplicateScalarsOn()
+            opacity = vtkPiecewiseFunction()
+            opacity.AllowDuplicateScalarsOn()
+            for x, red, green, blue in step:
+                colors.AddRGBPoint(x, red, green, blue)
+                opacity.AddPoint(x, green)
+            for value, visible in ((30.0, 0.0), (41.0, 1.0), (60.0, 1.0)):
+                with self.subTest(scale=scale, value=value):
+                    values = numpy.full(SIZE ** 3, value * scale)
+                    values[[0, -1]] = low, high
+                    self.image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
+                    self.set_functions(0, 1.0, 0.0, 0.0, 0.0)
+                    self.prop.SetColor(0, colors)
+                    self.expect([1.0 - visible, visible, 0.0, 1.0])
+                    self.prop.SetScalarOpacity(0, opacity)
+                    self.prop.SetColor(0, color(0.0, 0.0, 1.0))
+                    self.expect([0.0, 0.0, visible, visible])
+
+    def test_logarithmic_functions(self):
+        def logarithmic(colors):
+            colors.SetScaleToLog10()
+
+        def below(colors):
+            colors.SetScaleToLog10()
+            colors.UseBelowRangeColorOn()
+            colors.SetBelowRangeColor(0.0, 1.0, 0.0)
+
+        ends = ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+        self.expect_colors([(1.0, *ends[0]), (1e4, *ends[1])], 1.0, 2e4, logarithmic)
+        self.expect_colors([(5.0, *ends[0]), (1e3, *ends[1])], 0.0, 2e3, below)
+        # They are linear where they begin at 0 or below.
+        for low, high in ((-100.0, -1.0), (-50.0, 50.0), (0.0, 100.0)):
+            self.expect_colors([(low, *ends[0]), (high, *ends[1])], low - 20.0, high + 20.0, logarithmic)
+        # Where there is no logarithm the color below the points holds.
+        self.set_functions(0, 1.0, 0.0, 0.0, 0.0)
+        colors = vtkColorTransferFunction()
+        colors.AddRGBPoint(1.0, *ends[0])
+        colors.AddRGBPoint(100.0, *ends[1])
+        below(colors)
+        self.prop.SetColor(0, colors)
+        self.show(-20.0, -50.0, 200.0)
+        self.expect([0.0, 1.0, 0.0, 1.0])
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(1e-3, 0.0)
+        opacity.AddPoint(10.0, 1.0)
+        opacity.UseLogScaleOn()
+        self.set_functions(0, 1.0, 0.0, 0.0, 1.0)
+        self.prop.SetScalarOpacity(0, opacity)
+        for value in (0.0015, 0.003, 0.006):
+            with self.subTest(value=value):
+                values = numpy.full(SIZE ** 3, value)
+                values[[0, -1]] = 0.0, 20.0
+                self.set_points(values)
+                self.expect([0.0, 0.0, 1.0, 1.0 - (1.0 - opacity.GetValue(value)) ** LENGTH], delta=8)
+
+    def test_scalars_of_few_different_numbers(self):
+        """Far from zero, a few thousand of the numbers that there are lie between the least and the
+        largest one."""
+        for kind, low, width in ((numpy.float64, 1.0, 5e-13), (numpy.int64, 2 ** 59, 2 ** 18)):
+            for reference in (False, True):
+                with self.subTest(kind=kind, reference=reference):
+                    self.mapper.SetReferenceKernels(reference)
+                    colors = vtkColorTransferFunction()
+                    colors.AddRGBPoint(low, 1.0, 0.0, 0.0)
+                    colors.AddRGBPoint(low + width, 0.0, 0.0, 1.0)
+                    self.set_functions(0, 1.0, 0.0, 0.0, 0.0)
+                    self.prop.SetColor(0, colors)
+                    values = numpy.full(SIZE ** 3, low + kind(0.75 * width), dtype=kind)
+                    values[:2] = low, low + kind(width)
+                    self.image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
+                    self.expect([0.25, 0.0, 0.75, 1.0])
+
     def test_cells(self):
         self.image.GetCellData().SetScalars(
             numpy_to_vtk(numpy.ones(LENGTH ** 3, dtype=numpy.float32), deep=True))

@@ -22,6 +22,9 @@ constexpr double LargestExtinction = 1e30;
 constexpr int SmallestTable = 1024;
 constexpr int LargestTable = 16384;
 
+/// Least width of a table, by the larger one of its ends: a few double-precision numbers.
+constexpr double LeastWidth = 1e-15;
+
 /// Limits of GetMargin().
 constexpr double LeastMargin = 1e-3;
 constexpr double LargestMargin = 0.5;
@@ -53,13 +56,15 @@ TableLayout LayOutTable(double low, double high, double first, double last,
     lo = std::min(std::max(lo, first), hi);
     hi = std::max(std::min(hi, last), lo);
   }
-  if (!(hi - lo > 1e-12 * std::max(std::abs(lo), std::abs(hi))))
+  if (!(hi - lo > LeastWidth * std::max(std::abs(lo), std::abs(hi))))
   {
     hi = lo + std::max(1.0, std::abs(lo));
   }
-  int size = std::clamp(estimate(lo, hi), SmallestTable, LargestTable);
+  constexpr int largest = LargestTable - 2;
+  int size = std::clamp(estimate(lo, hi), SmallestTable, largest);
   const double width = std::ceil(hi) - std::floor(lo);
-  if (hi - lo >= 1.0 && width < LargestTable)
+  const bool whole = hi - lo >= 1.0 && width < largest;
+  if (whole)
   {
     // A whole number of entries a unit: whole scalars, and the points of functions that lie there,
     // are met exactly.
@@ -68,7 +73,19 @@ TableLayout LayOutTable(double low, double high, double first, double last,
     const int perUnit = std::max(1, static_cast<int>(size / width));
     size = perUnit * static_cast<int>(width) + 1;
   }
-  else if (std::abs(lo) < static_cast<double>(std::numeric_limits<float>::max()))
+  // At a point where a function has a step it has the value before that.
+  const double step = (hi - lo) / (size - 1);
+  if (low < lo && lo >= first)
+  {
+    lo -= step;
+    ++size;
+  }
+  if (high > hi && hi <= last)
+  {
+    hi += step;
+    ++size;
+  }
+  if (!whole && std::abs(lo) < static_cast<double>(std::numeric_limits<float>::max()))
   {
     // Packets take differences to it in single precision.
     lo = static_cast<double>(RoundDown(lo));

@@ -25,8 +25,9 @@ struct TableLayout
 
 /**
  * Lays out a table of functions for scalars from `low` to `high`. They are constant beyond [first,
- * last], where no entries are spent, so that a few extreme scalars do not coarsen the table; first
- * > last: nowhere. estimate(lo, hi) returns how many equal steps the functions need there.
+ * last], where one entry is spent on each side that scalars reach, so that a few extreme ones do
+ * not coarsen the table; first > last: nowhere. estimate(lo, hi) returns how many equal steps the
+ * functions need there.
  */
 FFD_VOLUMES_EXPORT TableLayout LayOutTable(double low, double high, double first, double last,
   const std::function<int(double, double)>& estimate);
