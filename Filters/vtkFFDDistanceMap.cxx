@@ -48,9 +48,11 @@ ffd::TransferTable MakeOpacityTable(
   vtkPiecewiseFunction* opacity, const ffd::MinMaxBlocks::Limits& range)
 {
   const double* const points = opacity->GetRange();
-  const ffd::TableLayout layout = ffd::LayOutTable(range.Min, range.Max, points[0],
-    opacity->GetClamping() ? points[1] : points[0] - 1.0,
-    [opacity](double low, double high) { return opacity->EstimateMinNumberOfSamples(low, high); });
+  const ffd::TableLayout layout = ffd::LayOutTable(
+    range.Min, range.Max, points[0], opacity->GetClamping() ? points[1] : points[0] - 1.0,
+    [opacity](double low, double high) { return opacity->EstimateMinNumberOfSamples(low, high); },
+    [opacity](
+      double at, double beyond) { return opacity->GetValue(at) != opacity->GetValue(beyond); });
   const auto size = static_cast<std::size_t>(layout.Size);
   std::vector<float> opacities(size);
   const std::vector<float> colors(3 * size, 1.0f);

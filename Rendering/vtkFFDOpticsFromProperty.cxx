@@ -13,6 +13,7 @@
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -167,11 +168,25 @@ struct TableFunctions
       const double first = std::floor((this->Color->GetRange()[0] - lo) / step);
       for (double i = std::max(0.0, first); i <= std::min(first + 1.0, size - 1.0); ++i)
       {
-        double color[3];
-        this->Color->GetColor(lo + step * i, color);
-        std::copy_n(color, 3, &rgb[3 * static_cast<std::size_t>(i)]);
+        const double x = lo + step * i;
+        this->Color->GetTable(x, x, 1, &rgb[3 * static_cast<std::size_t>(i)]);
       }
     }
+  }
+  /// Red, green, blue and opacity at a place.
+  std::array<double, 4> Find(double x) const
+  {
+    std::array<double, 4> found = {};
+    if (this->Gray)
+    {
+      found[0] = this->Gray->GetValue(x);
+    }
+    else if (this->Color)
+    {
+      this->Color->GetTable(x, x, 1, found.data());
+    }
+    found[3] = this->Opacity ? this->Opacity->GetValue(x) : 0.0;
+    return found;
   }
   /// Whether a function is logarithmic: VTK's are linear where they begin at 0 or below.
   bool IsLogarithmic() const
@@ -200,12 +215,15 @@ TransferTable MakeTable(const TableFunctions& functions, const MinMaxBlocks::Lim
   {
     last = first - 1.0;
   }
-  const TableLayout layout =
-    LayOutTable(range.Min, range.Max, first, last, [&functions](double lo, double hi) {
+  const TableLayout layout = LayOutTable(
+    range.Min, range.Max, first, last,
+    [&functions](double lo, double hi) {
       // Steps are equal, logarithmic functions bend most at their small end.
       return functions.IsLogarithmic() ? std::numeric_limits<int>::max()
                                        : functions.EstimateSamples(lo, hi);
-    });
+    },
+    [&functions](
+      double at, double beyond) { return functions.Find(at) != functions.Find(beyond); });
   const auto size = static_cast<std::size_t>(layout.Size);
   std::vector<float> opacities(size);
   std::vector<float> colors(3 * size);

@@ -234,6 +234,24 @@ TEST(MinMaxBlocks, WhatIsFarFromAllOthersTakesNoSteps)
   });
 }
 
+TEST(MinMaxBlocks, ThreeValuesAreToldApart)
+{
+  ForEveryTarget([] {
+    for (const double last : { 60.0, 1e8, 1e30 })
+    {
+      // Each has parents of its own.
+      const TestVolume volume(ScalarType::Float32, glm::ivec3(49, 2, 2), [&](int i, int, int) {
+        return i <= 16 ? 0.0 : i <= 32 ? 50.0 : last;
+      });
+      const MinMaxBlocks blocks(volume.View, ParallelFor());
+      EXPECT_EQ(blocks.GetLimits(glm::ivec3(0)).Max, 0.0) << last;
+      EXPECT_NEAR(blocks.GetLimits(glm::ivec3(6, 0, 0)).Min, 50.0, 0.01) << last;
+      EXPECT_NEAR(blocks.GetLimits(glm::ivec3(6, 0, 0)).Max, 50.0, 0.01) << last;
+      EXPECT_NEAR(blocks.GetLimits(glm::ivec3(11, 0, 0)).Min, last, 1e-6 * last);
+    }
+  });
+}
+
 TEST(MinMaxBlocks, NotANumberIsLeftOut)
 {
   ForEveryTarget([] {

@@ -41,6 +41,14 @@ def make_color():
     return color
 
 
+def without_zero(color):
+    """A function that begins above 0, so that it has a logarithmic scale."""
+    color.RemoveAllPoints()
+    color.AddRGBPoint(1e-3, 0.8, 0.1, 0.0)
+    color.AddRGBPoint(1024.0, 0.2, 1.0, 1.0)
+    return color
+
+
 def make_function(high=0.3):
     function = vtkPiecewiseFunction()
     function.AddPoint(0, 0.0)
@@ -461,8 +469,8 @@ SUBJECTS = {
                         arguments={"AddPoint": [[60.0, 0.9]],
                                    "AddSegment": [[20.0, 0.9, 80.0, 0.1]],
                                    "SetNodeValue": [[1, [100.0, 0.9, 0.5, 0.0]]]})],
-    "color": [Subject(lambda s: s.property.GetRGBTransferFunction(), vtkColorTransferFunction,
-                      lambda: Scene(vectors=True),
+    "color": [Subject(lambda s: without_zero(s.property.GetRGBTransferFunction()),
+                      vtkColorTransferFunction, lambda: Scene(vectors=True),
                       arguments={"AddRGBPoint": [[60.0, 1.0, 1.0, 1.0]],
                                  "AddHSVPoint": [[60.0, 0.1, 1.0, 1.0]],
                                  "AddRGBSegment": [[20.0, 1.0, 1.0, 1.0, 80.0, 0.0, 0.0, 1.0]],

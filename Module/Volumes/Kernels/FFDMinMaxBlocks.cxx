@@ -456,12 +456,19 @@ void MinMaxBlocks::SetCodes(bool integral)
     return;
   }
   // What lies beyond the common range has the first or the last code.
-  const int below = common.Min > this->Range.Min ? 1 : 0;
-  const int above = common.Max < this->Range.Max ? 1 : 0;
-  const double width =
-    common.Max > common.Min ? common.Max - common.Min : this->Range.Max - this->Range.Min;
-  this->CodeStep = width > 0.0 ? width / (this->LastCode - below - above) : 1.0;
-  this->FirstScalar = common.Min - below * this->CodeStep;
+  const bool below = common.Min > this->Range.Min;
+  const bool above = common.Max < this->Range.Max;
+  const double width = common.Max - common.Min;
+  if (width > 0.0)
+  {
+    this->CodeStep = width / (this->LastCode - (below ? 1 : 0) - (above ? 1 : 0));
+  }
+  else if (below || above)
+  {
+    const double gaps[2] = { common.Min - this->Range.Min, this->Range.Max - common.Max };
+    this->CodeStep = below && above ? std::min(gaps[0], gaps[1]) : std::max(gaps[0], gaps[1]);
+  }
+  this->FirstScalar = common.Min - (below ? this->CodeStep : 0.0);
   this->Rounding = 8.0 * std::numeric_limits<double>::epsilon() *
     std::max(std::abs(this->FirstScalar), std::abs(common.Max));
 }

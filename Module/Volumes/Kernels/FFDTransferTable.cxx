@@ -18,7 +18,7 @@ namespace
 /// Extinctions end here, whatever the unit distance: interpolating infinite ones gives no number.
 constexpr double LargestExtinction = 1e30;
 
-/// Entries of a table: at least, and at most.
+/// Entries of a table: at least, and at most, but for one beyond each end.
 constexpr int SmallestTable = 1024;
 constexpr int LargestTable = 16384;
 
@@ -47,7 +47,8 @@ float ColorOf(float channel) { return channel > 0.0f ? std::min(channel, 1.0f) :
 
 //------------------------------------------------------------------------------
 TableLayout LayOutTable(double low, double high, double first, double last,
-  const std::function<int(double, double)>& estimate)
+  const std::function<int(double, double)>& estimate,
+  const std::function<bool(double, double)>& changes)
 {
   double lo = low;
   double hi = high;
@@ -60,10 +61,9 @@ TableLayout LayOutTable(double low, double high, double first, double last,
   {
     hi = lo + std::max(1.0, std::abs(lo));
   }
-  constexpr int largest = LargestTable - 2;
-  int size = std::clamp(estimate(lo, hi), SmallestTable, largest);
+  int size = std::clamp(estimate(lo, hi), SmallestTable, LargestTable);
   const double width = std::ceil(hi) - std::floor(lo);
-  const bool whole = hi - lo >= 1.0 && width < largest;
+  const bool whole = hi - lo >= 1.0 && width < LargestTable;
   if (whole)
   {
     // A whole number of entries a unit: whole scalars, and the points of functions that lie there,
@@ -73,14 +73,14 @@ TableLayout LayOutTable(double low, double high, double first, double last,
     const int perUnit = std::max(1, static_cast<int>(size / width));
     size = perUnit * static_cast<int>(width) + 1;
   }
-  // At a point where a function has a step it has the value before that.
+  // At a point where a function has a step it has the value of one side.
   const double step = (hi - lo) / (size - 1);
-  if (low < lo && lo >= first)
+  if (low < lo && changes(lo, lo - step))
   {
     lo -= step;
     ++size;
   }
-  if (high > hi && hi <= last)
+  if (high > hi && changes(hi, hi + step))
   {
     hi += step;
     ++size;

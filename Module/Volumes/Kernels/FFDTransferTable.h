@@ -25,12 +25,14 @@ struct TableLayout
 
 /**
  * Lays out a table of functions for scalars from `low` to `high`. They are constant beyond [first,
- * last], where one entry is spent on each side that scalars reach, so that a few extreme ones do
- * not coarsen the table; first > last: nowhere. estimate(lo, hi) returns how many equal steps the
- * functions need there.
+ * last], where no entries are spent, so that a few extreme scalars do not coarsen the table; first
+ * > last: nowhere. estimate(lo, hi) returns how many equal steps the functions need there.
+ * changes(at, beyond) tells whether they differ: where scalars go beyond an end at which functions
+ * have a step there is one entry more.
  */
 FFD_VOLUMES_EXPORT TableLayout LayOutTable(double low, double high, double first, double last,
-  const std::function<int(double, double)>& estimate);
+  const std::function<int(double, double)>& estimate,
+  const std::function<bool(double, double)>& changes);
 
 /// Opacity of an interval of a length, data units, by its extinction per data unit.
 inline double OpacityOver(double extinction, double length)

@@ -76,7 +76,8 @@ ValuePeaks::ValuePeaks(
   const MinMaxBlocks::Limits& range = blocks.GetRange();
   if (range.Min <= range.Max)
   {
-    const MinMaxBlocks::Limits& common = blocks.GetCommonRange();
+    const MinMaxBlocks::Limits& known = blocks.GetCommonRange();
+    const MinMaxBlocks::Limits& common = known.Max > known.Min ? known : range;
     this->Low = sign > 0 ? common.Min : -common.Max;
     this->High = sign > 0 ? range.Max : -range.Min;
     // What is larger than all that is common has the last code.
