@@ -127,17 +127,20 @@ vtkFFDLatticeWidget::~vtkFFDLatticeWidget()
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::SetInteractor(vtkRenderWindowInteractor* interactor)
 {
-  if (interactor != this->Interactor)
+  if (interactor == this->Interactor)
   {
-    if (this->Interactor)
-    {
-      this->Interactor->RemoveObserver(this->InteractorWatch);
-    }
-    this->Superclass::SetInteractor(interactor);
-    if (this->Interactor)
-    {
-      this->Interactor->AddObserver(vtkCommand::DeleteEvent, this->InteractorWatch);
-    }
+    return;
+  }
+  // Observers of what that ends may set another one meanwhile.
+  this->SetEnabled(0);
+  if (this->Interactor)
+  {
+    this->Interactor->RemoveObserver(this->InteractorWatch);
+  }
+  this->Superclass::SetInteractor(interactor);
+  if (this->Interactor)
+  {
+    this->Interactor->AddObserver(vtkCommand::DeleteEvent, this->InteractorWatch);
   }
 }
 
@@ -271,20 +274,25 @@ void vtkFFDLatticeWidget::ForwardEvent(vtkObject*, unsigned long event, void* cl
 //------------------------------------------------------------------------------
 void vtkFFDLatticeWidget::SetEnabled(int enabling)
 {
-  if (!enabling && this->Enabled)
-  {
-    // Whoever follows changes of the representation is to see a widget that is off, not one to turn
-    // off: ParaView's representation of widgets does, and its view is gone then.
-    this->Enabled = 0;
-    if (this->Dragging)
-    {
-      this->Perform(CancelDrag);
-    }
-    this->RegionArmed = false;
-    this->GetLatticeRepresentation()->Highlight(0);
-    this->Enabled = 1;
-  }
+  const bool wasEnabled = this->Enabled != 0;
   this->Superclass::SetEnabled(enabling);
+  if (!wasEnabled || this->Enabled)
+  {
+    return;
+  }
+  // Whoever follows changes of the representation is to see a widget that is off, not one to turn
+  // off: ParaView's representation of widgets does, and its view is gone then. Others take away
+  // what the widget works with.
+  if (this->Dragging)
+  {
+    this->Perform(CancelDrag);
+    if (this->HasWindow())
+    {
+      this->Render();
+    }
+  }
+  this->RegionArmed = false;
+  this->GetLatticeRepresentation()->Highlight(0);
 }
 
 //------------------------------------------------------------------------------

@@ -142,14 +142,17 @@ class TestWidget(unittest.TestCase):
         self.interactor = vtkRenderWindowInteractor()
         self.interactor.SetRenderWindow(self.window)
         self.interactor.SetInteractorStyle(vtkInteractorStyleTrackballCamera())
+        self.set_up_widget()
+        self.renderer.ResetCamera()
+        self.window.Render()
+
+    def set_up_widget(self):
         self.widget = WIDGET()
         self.widget.SetInteractor(self.interactor)
         self.rep = self.widget.GetLatticeRepresentation()
         self.rep.PlaceWidget((0, 10, 0, 10, 0, 10))
         self.lattice = self.rep.GetLattice()
         self.widget.On()
-        self.renderer.ResetCamera()
-        self.window.Render()
 
     def tearDown(self):
         self.widget.Off()
@@ -243,15 +246,7 @@ class TestWidget(unittest.TestCase):
                 del self.rep, self.lattice
                 for part in order:
                     delattr(self, part)
-        losses = {
-            "widget": lambda: self.widget.Off(),
-            "window": lambda: self.interactor.SetRenderWindow(None),
-            "renderer": lambda: self.window.RemoveRenderer(self.renderer),
-            "interactor": lambda: self.widget.SetInteractor(None),
-            "representation": lambda: self.widget.SetRepresentation(None),
-            "lattice": lambda: self.rep.SetLattice(None),
-        }
-        for name, lose in losses.items():
+        for name, lose in self.losses().items():
             with self.subTest(lost=name):
                 drag()
                 lose()
@@ -273,6 +268,63 @@ class TestWidget(unittest.TestCase):
                         self.send("KeyPressEvent", x, y, key, control)
                         self.send("CharEvent", x, y, key, control)
                     self.widget.Off()
+
+    def losses(self):
+        window = vtkRenderWindow()
+        window.SetOffScreenRendering(1)
+        window.AddRenderer(vtkRenderer())
+        other = vtkRenderWindowInteractor()
+        other.SetRenderWindow(window)
+        return {
+            "widget": lambda: self.widget.Off(),
+            "window": lambda: self.interactor.SetRenderWindow(None),
+            "renderer": lambda: self.window.RemoveRenderer(self.renderer),
+            "interactor": lambda: self.widget.SetInteractor(None),
+            "other interactor": lambda: self.widget.SetInteractor(other),
+            "representation": lambda: self.widget.SetRepresentation(None),
+            "lattice": lambda: self.rep.SetLattice(None),
+        }
+
+    def test_parts_that_observers_of_changes_take(self):
+        """Changes are told while the widget is switched off, or loses its interactor, too."""
+        ends = {"off": lambda: self.widget.Off(),
+                "without": lambda: self.widget.SetInteractor(None),
+                "moved": lambda: self.send("MouseMoveEvent", 100, 100)}
+        for name, lose in self.losses().items():
+            for source, end, pressed, times in itertools.product(
+                    ("rep", "lattice"), ends, (False, True), (1, 9)):
+                with self.subTest(lost=name, source=source, end=end, pressed=pressed, times=times):
+                    self.set_up_widget()
+                    self.window.Render()
+                    x, y = self.display(3, 3, 3)
+                    self.send("MouseMoveEvent", x, y)
+                    if pressed:
+                        self.send("LeftButtonPressEvent", x, y)
+                        self.send("MouseMoveEvent", x - 30, y - 20)
+                    calls = []
+
+                    def tell(*_, calls=calls, times=times, lose=lose):
+                        calls.append(1)
+                        if len(calls) <= times:
+                            lose()
+
+                    getattr(self, source).AddObserver("ModifiedEvent", tell)
+                    interactor = self.interactor
+                    ends[end]()
+                    self.widget.SetRepresentation(self.rep)
+                    self.widget.Off()
+                    self.assertEqual(self.widget.GetEnabled(), 0)
+                    # Nothing is left that would follow the mouse.
+                    before = self.rep.GetHoveredPoint()
+                    interactor.SetEventInformation(x, y, 0, 0, "\0", 0, None)
+                    interactor.InvokeEvent("MouseMoveEvent")
+                    self.assertEqual(self.rep.GetHoveredPoint(), before)
+                    # Each case has the same window: those that VTK has made stay open.
+                    self.rep.RemoveAllObservers()
+                    self.lattice.RemoveAllObservers()
+                    self.interactor.SetRenderWindow(self.window)
+                    self.window.RemoveRenderer(self.renderer)
+                    self.window.AddRenderer(self.renderer)
 
     def test_interactor_that_goes_during_a_drag_of_the_camera(self):
         """The style of the interactor has the focus then, and no other observer hears that it is deleted."""
