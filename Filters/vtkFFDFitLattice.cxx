@@ -284,7 +284,6 @@ int vtkFFDFitLattice::RequestInformation(
     }
     field = vtkImageData::SafeDownCast(data);
   }
-  bool aborted = false;
   if (!(this->FitTime > this->GetMTime()) || (field && field->GetMTime() > this->FitTime))
   {
     this->MaximumError = -1.0;
@@ -292,11 +291,8 @@ int vtkFFDFitLattice::RequestInformation(
     // An executive does this before it asks for data, which is too late here.
     this->AbortExecute = 0;
     this->Fit(field);
-    aborted = this->AbortExecute != 0;
-    if (!aborted)
-    {
-      this->FitTime.Modified();
-    }
+    this->Aborted = this->AbortExecute != 0;
+    this->FitTime.Modified();
   }
   if (this->MaximumError < 0.0)
   {
@@ -304,7 +300,7 @@ int vtkFFDFitLattice::RequestInformation(
     info->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), none, 6);
     info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), none, 6);
     this->GetOutputDataObject(0)->Initialize();
-    return aborted ? 1 : 0;
+    return this->Aborted ? 1 : 0;
   }
   vtkFFDDescribeLatticeImage(this->Lattice, info);
   return 1;

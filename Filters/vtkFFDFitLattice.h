@@ -172,6 +172,7 @@ private:
   double RootMeanSquareError;
   vtkNew<vtkFFDLattice> Lattice;
   vtkTimeStamp FitTime;
+  bool Aborted = false; ///< the last fit
 };
 
 #endif
