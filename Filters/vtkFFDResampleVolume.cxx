@@ -544,7 +544,9 @@ int vtkFFDResampleVolume::RequestInformation(
     return 1;
   }
   vtkAlgorithmOutput* connection = this->GetInputConnection(0, 0);
-  vtkFFDFollowTime(this->Deformation ? nullptr : input, output);
+  const bool moves =
+    input->Has(vtkStreamingDemandDrivenPipeline::TIME_DEPENDENT_INFORMATION()) != 0;
+  vtkFFDFollowTime(this->Deformation && !moves ? nullptr : input, output);
   if (!this->Deformation && connection && !vtkFFDIsBlock(this->Internals->Blocks, data) &&
     input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
   {

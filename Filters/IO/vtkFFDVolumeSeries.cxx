@@ -4,6 +4,7 @@
 
 #include "vtkFFDArrayRanges.h"
 #include "vtkFFDGuard.h"
+#include "vtkFFDPipeline.h"
 #include "vtkFFDTransformFiles.h"
 #include "vtkFFDVolumeReader.h"
 
@@ -18,6 +19,7 @@
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkMatrix3x3.h"
+#include "vtkMatrix4x4.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
@@ -36,13 +38,16 @@
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDVolumeSeries);
-vtkFFDGuardedProcessRequestMacro(vtkFFDVolumeSeries);
+vtkFFDProcessRequestInTimeMacro(vtkFFDVolumeSeries);
 
 namespace
 {
 
 /// Steps that are kept whatever their size: two to be interpolated, and one read ahead.
 constexpr std::size_t LeastKept = 3;
+
+/// Times are sums of decimals: a step is not to be missed by a rounding error, in steps.
+constexpr double Rounding = 1e-9;
 
 /// The result of reading a file.
 struct Volume
@@ -159,6 +164,35 @@ void BlendArrays(
       }
     }
   }
+}
+
+/// Whether the voxels of two images lie at the same places, to a small part of one.
+bool LieAlike(vtkImageData* a, vtkImageData* b)
+{
+  constexpr double tolerance = 1e-4; // voxels
+  int extent[6];
+  a->GetExtent(extent);
+  const vtkMatrix4x4* const toIndex = a->GetPhysicalToIndexMatrix();
+  const vtkMatrix4x4* const from = a->GetIndexToPhysicalMatrix();
+  const vtkMatrix4x4* const to = b->GetIndexToPhysicalMatrix();
+  double farthest[4] = { 0.0, 0.0, 0.0, 1.0 };
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    farthest[axis] = std::max(std::abs(extent[2 * axis]), std::abs(extent[2 * axis + 1]));
+  }
+  double way = 0.0;
+  for (int row = 0; row < 3; ++row)
+  {
+    for (int inner = 0; inner < 3; ++inner)
+    {
+      for (int column = 0; column < 4; ++column)
+      {
+        way += std::abs(toIndex->GetElement(row, inner) *
+          (to->GetElement(inner, column) - from->GetElement(inner, column)) * farthest[column]);
+      }
+    }
+  }
+  return way <= tolerance;
 }
 
 } // namespace
@@ -384,8 +418,16 @@ int vtkFFDVolumeSeries::CanReadFile(const char* fileName)
 void vtkFFDVolumeSeries::WaitForPrefetch() { this->Internals->Join(); }
 
 //------------------------------------------------------------------------------
+/// Steps from the first one to a time, of a series that has steps.
+double vtkFFDVolumeSeries::FindPlace(double time)
+{
+  return std::clamp((time - this->TimeStart) / this->TimeSpacing, 0.0,
+    static_cast<double>(this->GetNumberOfFileNames() - 1));
+}
+
+//------------------------------------------------------------------------------
 int vtkFFDVolumeSeries::RequestInformation(
-  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
+  vtkInformation* request, vtkInformationVector**, vtkInformationVector* outputs)
 {
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   vtkInformation* info = outputs->GetInformationObject(0);
@@ -408,9 +450,18 @@ int vtkFFDVolumeSeries::RequestInformation(
   }
   info->Set(Pipeline::WHOLE_EXTENT(), first.Image->GetExtent(), 6);
   info->Set(vtkAlgorithm::CAN_PRODUCE_SUB_EXTENT(), 1);
-  info->Set(vtkDataObject::ORIGIN(), first.Image->GetOrigin(), 3);
-  info->Set(vtkDataObject::SPACING(), first.Image->GetSpacing(), 3);
-  info->Set(vtkDataObject::DIRECTION(), first.Image->GetDirectionMatrix()->GetData(), 9);
+  // Steps may lie elsewhere: the executive asks again when it knows the time.
+  vtkSmartPointer<vtkImageData> place = first.Image;
+  if (request->Has(Pipeline::REQUEST_TIME_DEPENDENT_INFORMATION()) &&
+    info->Has(Pipeline::UPDATE_TIME_STEP()) && !std::isnan(info->Get(Pipeline::UPDATE_TIME_STEP())))
+  {
+    const double at = this->FindPlace(info->Get(Pipeline::UPDATE_TIME_STEP()));
+    const Volume shown = this->Internals->Get(static_cast<int>(std::floor(at + Rounding)));
+    place = shown.Image ? shown.Image : place;
+  }
+  info->Set(vtkDataObject::ORIGIN(), place->GetOrigin(), 3);
+  info->Set(vtkDataObject::SPACING(), place->GetSpacing(), 3);
+  info->Set(vtkDataObject::DIRECTION(), place->GetDirectionMatrix()->GetData(), 9);
   if (vtkDataArray* scalars = first.Image->GetPointData()->GetScalars())
   {
     vtkDataObject::SetPointDataActiveScalarInfo(
@@ -432,6 +483,7 @@ int vtkFFDVolumeSeries::RequestInformation(
       return 0;
     }
     const double range[2] = { times.front(), times.back() };
+    info->Set(Pipeline::TIME_DEPENDENT_INFORMATION(), 1);
     info->Set(Pipeline::TIME_STEPS(), times.data(), count);
     info->Set(Pipeline::TIME_RANGE(), range, 2);
   }
@@ -458,13 +510,10 @@ int vtkFFDVolumeSeries::RequestData(
     vtkErrorMacro("The time that a volume is asked for is not a number.");
     return 0;
   }
-  const double place =
-    std::clamp((time - this->TimeStart) / this->TimeSpacing, 0.0, static_cast<double>(count - 1));
-  // Times are sums of decimals: a step is not to be missed by a rounding error.
-  constexpr double rounding = 1e-9;
-  const int step = static_cast<int>(std::floor(place + rounding));
+  const double place = this->FindPlace(time);
+  const int step = static_cast<int>(std::floor(place + Rounding));
   const double part = std::max(place - step, 0.0);
-  const bool between = this->Interpolation == LINEAR && part > rounding && step + 1 < count;
+  const bool between = this->Interpolation == LINEAR && part > Rounding && step + 1 < count;
   const int last = between ? step + 1 : step;
   Volume volumes[2];
   for (int i = step; i <= last; ++i)
@@ -476,6 +525,12 @@ int vtkFFDVolumeSeries::RequestData(
     if (volume.Image && !std::equal(whole, whole + 6, volume.Image->GetExtent()))
     {
       volume.Problem = "it has other numbers of voxels than the first of the series";
+    }
+    else if (volume.Image && i > step && !LieAlike(volumes[0].Image, volume.Image))
+    {
+      volume.Problem = "it lies elsewhere than " + std::string(this->GetFileName(step)) +
+        ", or is of another spacing or direction, and there is nothing between both; set "
+        "Interpolation to STEP";
     }
     if (!volume.Problem.empty())
     {

@@ -6,7 +6,10 @@
  *
  * Reads what vtkFFDVolumeReader reads, with its position and orientation, one file for each step in
  * time: at TimeStart, TimeStart + TimeSpacing and so on. A single file is a volume without time.
- * All steps have the same number of voxels along each axis.
+ * All steps have the same number of voxels along each axis. They may lie elsewhere than the first
+ * one, or have another spacing or direction. The pipeline tells it for each time, but VTK's image
+ * filters (vtkImageReslice, vtkImageShiftScale) do not ask again, and put all in the place of the
+ * first one.
  *
  * <b>Reading ahead.</b> While the application works on what it got, a thread of this class reads
  * the step that comes next in the direction of play, from the last to the first again; a player
@@ -16,7 +19,8 @@
  *
  * <b>Between two steps</b> the output is the step before, its arrays shared and not copied, or,
  * with Interpolation LINEAR, the values between both: arrays of numbers of the same name, type and
- * size, rounded for whole numbers; others are those of the step before. That is right for what gets
+ * size, rounded for whole numbers; others are those of the step before. Both steps must lie at the
+ * same place. That is right for what gets
  * brighter and darker in its place; what moves is shown twice, and wants a lattice for each step
  * instead (vtkFFDTransformSeries).
  *
@@ -129,6 +133,8 @@ protected:
 private:
   vtkFFDVolumeSeries(const vtkFFDVolumeSeries&) = delete;
   void operator=(const vtkFFDVolumeSeries&) = delete;
+
+  double FindPlace(double time);
 
   class vtkInternals;
   std::unique_ptr<vtkInternals> Internals;

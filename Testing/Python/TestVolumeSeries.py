@@ -17,14 +17,14 @@ TEMPORARY = os.environ["FFD_TEST_TEMPORARY"]
 SIZE = (5, 6, 7)
 
 
-def write(name, values, spacing="2 3 4"):
+def write(name, values, spacing="2 3 4", offset="1 2 3"):
     """A MetaImage of short numbers, which lies askew."""
     path = os.path.join(TEMPORARY, name)
     with open(path, "wb") as file:
         file.write(("ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
-                    "TransformMatrix = 0 1 0 -1 0 0 0 0 1\nOffset = 1 2 3\nElementSpacing = %s\n"
+                    "TransformMatrix = 0 1 0 -1 0 0 0 0 1\nOffset = %s\nElementSpacing = %s\n"
                     "DimSize = %d %d %d\nElementType = MET_SHORT\nElementDataFile = LOCAL\n"
-                    % ((spacing,) + values.shape[::-1])).encode("ascii"))
+                    % ((offset, spacing) + values.shape[::-1])).encode("ascii"))
         file.write(values.astype("<i2").tobytes())
     return path
 
@@ -125,6 +125,28 @@ class TestVolumeSeries(unittest.TestCase):
         for time in (1, 2):
             item.UpdateTimeStep(time)
             np.testing.assert_array_equal(values_of(item), self.volumes[time])
+
+    def test_steps_that_lie_elsewhere(self):
+        for offset, spacing in (("40 2 3", "2 3 4"), ("1 2 3", "2 3 5")):
+            with self.subTest(offset=offset, spacing=spacing):
+                self.files[1] = write("elsewhere.mha", self.volumes[1], spacing, offset)
+                item = self.make()
+                lattice = vtkffd.vtkFFDLattice()
+                lattice.FitToBounds((-200, 200, -200, 200, -200, 200))
+                resample = vtkffd.vtkFFDResampleVolume()
+                resample.SetInputConnection(item.GetOutputPort())
+                resample.SetDeformation(lattice)
+                for step in (1, 0, 1, 2):
+                    resample.UpdateTimeStep(step)
+                    self.assertEqual(resample.GetOutput().GetOrigin(), item.GetOutput().GetOrigin())
+                    self.assertEqual(resample.GetOutput().GetSpacing(), item.GetOutput().GetSpacing())
+                    np.testing.assert_array_equal(values_of(resample), self.volumes[step])
+                # There is nothing between voxels that lie elsewhere.
+                item.SetInterpolationToLinear()
+                item.UpdateTimeStep(2.5)
+                self.assertFalse(self.errors)
+                item.UpdateTimeStep(0.5)
+                self.assertIn("lies elsewhere", self.errors[0])
 
     def test_interpolation_of_extreme_values(self):
         """The largest numbers of 64 bits became 0 or the least ones, and infinity not a number."""
