@@ -263,6 +263,23 @@ class TestTransformReader(unittest.TestCase):
         content = content.replace(b"Position = 1 2 3\n", b"").replace(b"= LOCAL", b"= ./../x.raw")
         self.check_refused("outside.mha", content, "same folder")
 
+    def test_spellings(self):
+        vectors = np.random.default_rng(7).integers(0, 3, (4, 5, 6, 3))
+        for kind, names in (("<i2", ("short int", "signed short", "signed short int", "int16")),
+                            ("<u2", ("unsigned short int", "ushort")), ("<i4", ("signed int", "int"))):
+            for name in names:
+                with self.subTest(name):
+                    start = ("NRRD0004\ntype: %s\ndimension: 4\nsizes: 3 6 5 4\nendian: little\n"
+                             "encoding: raw\nkinds: vector domain domain domain\n\n" % name)
+                    transform = self.read_bytes(
+                        "types.nrrd", start.encode() + vectors.astype(kind).tobytes()).GetTransform()
+                    np.testing.assert_allclose(
+                        transform.TransformPoint(2.0, 1.0, 3.0), (2, 1, 3) + vectors[3, 1, 2], atol=1e-4)
+        for entry in ('( Transform "TranslationTransform")', '(Transform\t"TranslationTransform")'):
+            with self.subTest(entry):
+                transform = self.read_text("spaces.txt", entry + "\n(TransformParameters 1 2 3)\n")
+                self.assertEqual(transform.TransformPoint(0.0, 0.0, 0.0), (1.0, 2.0, 3.0))
+
     def test_nrrd_without_a_space(self):
         """Each axis tells by itself where the nodes are, as ITK reads it."""
         start = ("NRRD0004\ntype: double\ndimension: 4\nsizes: 3 6 5 4\nendian: little\n"

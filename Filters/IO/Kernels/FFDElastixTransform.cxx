@@ -356,15 +356,25 @@ bool SetCombination(const ElastixEntries& entries, std::vector<double> weights,
 //------------------------------------------------------------------------------
 bool LooksLikeElastixTransform(std::string_view text)
 {
-  const std::string_view whole = text;
+  bool isFirst = true;
   while (!text.empty())
   {
-    const std::string_view line = Trim(TakeLine(text));
+    std::string_view line = Trim(TakeLine(text));
     if (line.empty() || line.substr(0, 2) == "//")
     {
       continue;
     }
-    return line.front() == '(' && whole.find("(Transform ") != std::string_view::npos;
+    const bool isEntry = line.front() == '(';
+    if (isFirst && !isEntry)
+    {
+      return false;
+    }
+    isFirst = false;
+    line.remove_prefix(1);
+    if (isEntry && TakeWord(line) == "Transform")
+    {
+      return true;
+    }
   }
   return false;
 }

@@ -223,9 +223,11 @@ bool ParseNrrdHeader(std::string_view bytes, FieldHeader& header, std::string& e
   static const std::map<std::string_view, Number> types = { { "signed char", Number::Int8 },
     { "int8", Number::Int8 }, { "int8_t", Number::Int8 }, { "uchar", Number::UInt8 },
     { "unsigned char", Number::UInt8 }, { "uint8", Number::UInt8 }, { "uint8_t", Number::UInt8 },
-    { "short", Number::Int16 }, { "int16", Number::Int16 }, { "int16_t", Number::Int16 },
+    { "short", Number::Int16 }, { "short int", Number::Int16 }, { "signed short", Number::Int16 },
+    { "signed short int", Number::Int16 }, { "int16", Number::Int16 }, { "int16_t", Number::Int16 },
     { "ushort", Number::UInt16 }, { "unsigned short", Number::UInt16 },
-    { "uint16", Number::UInt16 }, { "uint16_t", Number::UInt16 }, { "int", Number::Int32 },
+    { "unsigned short int", Number::UInt16 }, { "uint16", Number::UInt16 },
+    { "uint16_t", Number::UInt16 }, { "int", Number::Int32 }, { "signed int", Number::Int32 },
     { "int32", Number::Int32 }, { "int32_t", Number::Int32 }, { "uint", Number::UInt32 },
     { "unsigned int", Number::UInt32 }, { "uint32", Number::UInt32 },
     { "uint32_t", Number::UInt32 }, { "float", Number::Float32 }, { "double", Number::Float64 } };
