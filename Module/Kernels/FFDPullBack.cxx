@@ -64,12 +64,15 @@ bool Solve(const glm::dmat3& m, const glm::dvec3& b, glm::dvec3& x)
   return true;
 }
 
-/// The tolerance, but no less than the residual that the rounding of positions alone leaves.
-double ReachableTolerance(const glm::dvec3& p, const glm::dvec3& q, double tolerance)
+/// The tolerance, but no less than the residual that the rounding of positions alone leaves, which
+/// the map may enlarge.
+double ReachableTolerance(const glm::dvec3& p, const Residual& r, double tolerance)
 {
-  const glm::dvec3 a = glm::max(glm::abs(p), glm::abs(q));
-  return std::max(
-    tolerance, 8.0 * std::numeric_limits<double>::epsilon() * std::max({ a.x, a.y, a.z }));
+  const glm::dvec3 a = glm::max(glm::abs(p), glm::abs(r.Point));
+  const double enlarged = std::max(
+    { 1.0, glm::length(r.Jacobian[0]), glm::length(r.Jacobian[1]), glm::length(r.Jacobian[2]) });
+  return std::max(tolerance,
+    8.0 * std::numeric_limits<double>::epsilon() * std::max({ a.x, a.y, a.z }) * enlarged);
 }
 
 /**
@@ -82,7 +85,7 @@ bool Newton(const BSplineField& field, const glm::dvec3& p, double strength, dou
 {
   for (int step = 0; step <= maximumSteps; ++step)
   {
-    if (r.Length <= ReachableTolerance(p, r.Point, tolerance))
+    if (r.Length <= ReachableTolerance(p, r, tolerance))
     {
       return true;
     }

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 using namespace ffd;
 
@@ -95,6 +96,33 @@ TEST(PullBack, ExactInvertsFoldFreeLattices)
   }
   // The cost promised for a tolerance of a hundredth of a spacing.
   EXPECT_LT(static_cast<double>(evaluations) / static_cast<double>(points), 4.5);
+}
+
+// A map that shears thin cells enlarges what rounding leaves of positions far from the origin.
+TEST(PullBack, ThinCellsFarFromTheOrigin)
+{
+  RandomLattice random(5);
+  for (const double place : { 1e3, 1e5, 1e7 })
+  {
+    const glm::dvec3 origin(0.0, 0.0, place);
+    const glm::dvec3 spacing(20.0, 20.0, 2e-10 * place);
+    std::vector<glm::dvec3> displacements(8 * 8 * 8);
+    for (glm::dvec3& d : displacements)
+    {
+      d = random.Vector(-0.3, 0.3) * spacing;
+    }
+    const BSplineField field(
+      glm::ivec3(8), origin, spacing, displacements.data(), 1.0, BorderMode::Zero);
+    const PullBack exact(&field, PullBackKind::Exact, 1e-3 * spacing.z);
+    for (int i = 0; i < 2000; ++i)
+    {
+      const glm::dvec3 q = origin + spacing * random.Vector(2.0, 5.0);
+      PullBackStatus status;
+      const glm::dvec3 back = exact.Evaluate(q + field.Displacement(q), status);
+      ASSERT_TRUE(status.Converged) << place;
+      ASSERT_LT(glm::length((back - q) / spacing), 0.05) << place;
+    }
+  }
 }
 
 TEST(PullBack, JacobiansAreTheDerivativesOfThePullBack)
