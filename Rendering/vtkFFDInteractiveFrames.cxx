@@ -423,7 +423,9 @@ void vtkFFDInteractiveFrames::SetInteractor(vtkRenderWindowInteractor* interacto
     vtkErrorMacro("SetInteractor: the interactor has no window. Call its SetRenderWindow() first.");
     return;
   }
-  if (this->Internals->Interactor != interactor)
+  // The interactor may have got another window since.
+  vtkRenderWindow* const window = interactor ? interactor->GetRenderWindow() : nullptr;
+  if (this->Internals->Interactor != interactor || this->Internals->Window != window)
   {
     this->Internals->Attach(interactor);
     this->Modified();
@@ -470,7 +472,10 @@ double vtkFFDInteractiveFrames::GetExpectedStillTime(vtkRenderWindow* window)
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDInteractiveFrames::IsStillFrameDue() { return this->Internals->Due; }
+bool vtkFFDInteractiveFrames::IsStillFrameDue()
+{
+  return this->Internals->Due && this->Internals->Window;
+}
 
 //------------------------------------------------------------------------------
 void vtkFFDInteractiveFrames::Abort()

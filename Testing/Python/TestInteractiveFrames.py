@@ -98,6 +98,10 @@ class InteractiveFrames(unittest.TestCase):
             interactor.InvokeEvent("TimerEvent", timer)
         self.assertFalse(rendered)
         self.assertFalse(frames.IsStillFrameDue())
+        # Until it is told.
+        frames.SetInteractor(interactor)
+        frames.RenderStill()
+        self.assertEqual(len(rendered), 1)
 
     def serve_events(self, is_done):
         """Until it returns true, once for each interactor: VTK's loop for X does not start twice."""
