@@ -73,6 +73,11 @@ public:
   {
     return this->Functions->Facts.Ranges;
   }
+  /// MinMaxBlocks::GetCommonRange() of each component.
+  const std::vector<ffd::MinMaxBlocks::Limits>& GetCommonRanges() const
+  {
+    return this->Functions->Facts.CommonRanges;
+  }
   const ffd::Blending& GetBlending() const { return this->Blend; }
   const ffd::Cropping& GetCropping() const { return this->Crop; }
   /// Planes of the world, see ffd::MakeClippingPlanes().

@@ -74,6 +74,7 @@ vtkFFDFrameScene::vtkFFDFrameScene(vtkFFDInverseRayVolumeMapper* mapper,
   scene.KeptOfFunctions = cache.GetKeptOfFunctions();
   scene.Distances = cache.GetDistances();
   scene.Ranges = &cache.GetRanges();
+  scene.CommonRanges = &cache.GetCommonRanges();
   scene.Peaks = cache.GetPeaks();
   scene.Map = &map.Map;
   scene.Limits = map.Limits;

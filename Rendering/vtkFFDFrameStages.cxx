@@ -381,23 +381,24 @@ Made MakeTransferFunctions(TransferFunctions& result, StageTools& tools,
   for (int c = 0; c < volume.Components; ++c)
   {
     const auto at = std::find(known.begin(), known.end(), c);
+    MinMaxBlocks::Limits range;
+    MinMaxBlocks::Limits common;
     if (at != known.end())
     {
-      facts.Ranges.push_back(
-        FindRangeOfWhole(blocks->Blocks[static_cast<std::size_t>(at - known.begin())].GetRange(),
-          volume.Components, options.WholeRange));
+      const MinMaxBlocks& own = blocks->Blocks[static_cast<std::size_t>(at - known.begin())];
+      range = FindRangeOfWhole(own.GetRange(), volume.Components, options.WholeRange);
+      common = own.GetCommonRange();
     }
     else
     {
-      double range[2];
-      voxels->Scalars->GetFiniteRange(range, c);
-      facts.Ranges.push_back({ range[0], range[1] });
+      double finite[2];
+      voxels->Scalars->GetFiniteRange(finite, c);
+      range = { finite[0], finite[1] };
+      common = range;
     }
-    if (!(facts.Ranges.back().Min <= facts.Ranges.back().Max))
-    {
-      // Not a number anywhere: nothing is looked up.
-      facts.Ranges.back() = { 0.0, 1.0 };
-    }
+    // Not a number anywhere: nothing is looked up.
+    facts.Ranges.push_back(range.Min <= range.Max ? range : MinMaxBlocks::Limits{ 0.0, 1.0 });
+    facts.CommonRanges.push_back(common.Min <= common.Max ? common : facts.Ranges.back());
   }
   if (secondAxis.Object)
   {

@@ -24,8 +24,9 @@ struct ScalarFacts
 {
   ComponentKind Kind = ComponentKind::Independent;
   ScalarType Type = ScalarType::UInt8;
-  std::vector<MinMaxBlocks::Limits> Ranges; ///< of the finite values of each component
-  bool Nearest = false;                     ///< scalars are not interpolated
+  std::vector<MinMaxBlocks::Limits> Ranges;       ///< of the finite values of each component
+  std::vector<MinMaxBlocks::Limits> CommonRanges; ///< MinMaxBlocks::GetCommonRange()
+  bool Nearest = false;                           ///< scalars are not interpolated
   bool HasSecondAxis = false; ///< of two-dimensional transfer functions; else it is the gradient
   MinMaxBlocks::Limits SecondAxis{ 0.0, 1.0 };
   bool HasLabels = false;

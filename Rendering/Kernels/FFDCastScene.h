@@ -117,8 +117,10 @@ struct CastScene
                                             ///< to frame; or null
   const SampleClassifier* Classifier = nullptr; ///< null: one component by Table and Material
   const DistanceMap* Distances = nullptr;       ///< may be null when Leaping is Off
-  /// Of the scalars of each component of Volume; null: not known.
+  /// Of the scalars of each component of Volume, and MinMaxBlocks::GetCommonRange() of these; null:
+  /// not known.
   const std::vector<MinMaxBlocks::Limits>* Ranges = nullptr;
+  const std::vector<MinMaxBlocks::Limits>* CommonRanges = nullptr;
   /// Of the channels of Maximum and Minimum, or null.
   const std::vector<ValuePeaks>* Peaks = nullptr;
   const PullBack* Map = nullptr;

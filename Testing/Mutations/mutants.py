@@ -364,9 +364,21 @@ MUTANTS = (
     Mutant(
         "light: gradients beside values far beyond the functions have no direction",
         "bound",
-        "(ofValues && !scene.Ranges) || most > NearRange * range };",
-        "(ofValues && !scene.Ranges) };",
+        "(ofValues && !scene.Ranges) || wide || most > NearRange * range };",
+        "(ofValues && !scene.Ranges) || wide };",
         python("Lighting")),
+    Mutant(
+        "light: gradients within functions that reach to no data have no direction",
+        "bound",
+        "(ofValues && !scene.Ranges) || wide || most > NearRange * range };",
+        "(ofValues && !scene.Ranges) || most > NearRange * range };",
+        python("Scales")),
+    Mutant(
+        "blocks: what is far from all others takes the steps of codes",
+        "bound",
+        "inner.Min - range.Min > width ? inner.Min : range.Min;",
+        "range.Min;",
+        python("Scales")),
     Mutant(
         "normals of opacity: level pieces have a slope",
         "term",

@@ -238,6 +238,47 @@ class TestScales(unittest.TestCase):
             self.assertLess(numpy.median(numpy.abs(picture - pictures[0])), 1)
             self.assertLess(numpy.abs(picture - pictures[0]).mean(), 1.5)
 
+    def test_no_data_in_the_functions(self):
+        """Functions that reach to it, as default ones do, leave other values precise enough for light."""
+        for kind, fill in ((numpy.int32, -2147483648), (numpy.int64, -10 ** 14), (numpy.float64, -1e14),
+                           (numpy.float64, -3.4028234663852886e38), (numpy.float32, -1e14),
+                           (numpy.float32, -3.4028234663852886e38),
+                           (numpy.uint32, 4294967295)):
+            for isosurface in (False, True):
+                with self.subTest(kind=kind, fill=fill, isosurface=isosurface):
+                    values = make_values().astype(kind)
+                    values[:4] = fill
+                    scene = Scene(values)
+                    scene.property.ShadeOn()
+                    color = vtkColorTransferFunction()
+                    color.AddRGBPoint(min(fill, 0.0), 0.2, 0.4, 1.0)
+                    color.AddRGBPoint(max(fill, 100.0), 1.0, 0.8, 0.2)
+                    scene.property.SetColor(color)
+                    scene.property.SetScalarOpacity(scene.ramp((0, 0.05), (100, 0.05)))
+                    if isosurface:
+                        scene.mapper.SetBlendModeToIsoSurface()
+                        scene.property.GetIsoSurfaceValues().SetValue(0, 60.0)
+                    pictures = []
+                    for reference in (False, True):
+                        scene.mapper.SetReferenceKernels(reference)
+                        pictures.append(scene.render())
+                    self.expect_same(pictures[0], pictures[1], 0.5)
+
+    def test_sums_of_the_largest_numbers(self):
+        for mode in ("Additive", "AverageIntensity"):
+            for sign in (-1, 1):
+                with self.subTest(mode=mode, sign=sign):
+                    values = make_values().astype(numpy.float32)
+                    values[:4] = sign * 3.4028234663852886e38
+                    scene = Scene(values)
+                    scene.property.SetScalarOpacity(scene.ramp((0, 0.05), (100, 0.05)))
+                    getattr(scene.mapper, "SetBlendModeTo" + mode)()
+                    pictures = []
+                    for reference in (False, True):
+                        scene.mapper.SetReferenceKernels(reference)
+                        pictures.append(scene.render())
+                    self.expect_same(pictures[0], pictures[1], 0.5)
+
     def test_magnitudes(self):
         def plane(scene):
             texels = numpy.zeros((32, 32, 4), dtype=numpy.float32)

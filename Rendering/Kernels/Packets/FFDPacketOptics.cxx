@@ -374,6 +374,15 @@ ValueRange FindVisibleRange(
   return range;
 }
 
+/// A limit of values as it is fetched, finite: floats are fetched as they are.
+float LimitAsFetched(const CastScene& scene, const PacketScene& p, int component, double value)
+{
+  constexpr double largest = std::numeric_limits<float>::max();
+  return scene.Volume.Type == ScalarType::Float32
+    ? static_cast<float>(std::clamp(value, -largest, largest))
+    : ToFinite(AsFetched(p.Volume, component, value));
+}
+
 /// Adds the channels of a scene whose components are not composited. The volume is set already.
 void AddChannels(const CastScene& scene, const OpticalFunctions& functions, PacketScene& p)
 {
@@ -386,9 +395,7 @@ void AddChannels(const CastScene& scene, const OpticalFunctions& functions, Pack
       p.Sampling == PacketSampling::Extreme || functions.Kind == ComponentKind::Independent
       ? FindDensityComponent(functions.Kind, c)
       : 0;
-    const auto fetched = [&](double value) {
-      return ToFinite(AsFetched(p.Volume, component, value));
-    };
+    const auto fetched = [&](double value) { return LimitAsFetched(scene, p, component, value); };
     PacketChannel channel;
     channel.Component = component;
     channel.Low = fetched(blend.Low[i]);
@@ -429,6 +436,7 @@ GradientScale FindGradientScale(
   const CastScene& scene, const SampleClassifier& classifier, const PacketScene& p)
 {
   constexpr double LargestGradient = 1e15;
+  constexpr double LargestOfWide = 1e18;
   constexpr double LargestOfAll = 1e36;
   constexpr double LargestFactor = 1e35;
   constexpr double NearRange = 100.0;
@@ -447,19 +455,25 @@ GradientScale FindGradientScale(
   for (int c = 0; ofValues && scene.Ranges && c < p.Volume.Components; ++c)
   {
     const MinMaxBlocks::Limits& limits = (*scene.Ranges)[static_cast<std::size_t>(c)];
-    most = std::max(most, (limits.Max - limits.Min) * p.Volume.Scale[c]);
+    // What is fetched stays within LargestSingle, but for floats.
+    constexpr double Largest = std::numeric_limits<float>::max();
+    most = std::max(most, std::min((limits.Max - limits.Min) * p.Volume.Scale[c], Largest));
   }
+  // What functions tell apart that span so much is their ends alone.
+  constexpr double WidestRange = 1e20;
+  const bool wide = ofValues && range > WidestRange * p.Volume.Scale[component];
+  const double largest = wide ? LargestOfWide : LargestGradient;
   const glm::dmat3& ofData = scene.Material.GetGradientToLights();
   const glm::dmat3 ofIndex = ofData * glm::transpose(scene.Volume.DataToIndex);
   double scale = std::numeric_limits<double>::infinity();
   for (int a = 0; a < 3; ++a)
   {
     const double factor = glm::length(ofIndex[a]);
-    scale = std::min({ scale, LargestGradient / (range * factor), LargestOfAll / (most * factor),
+    scale = std::min({ scale, largest / (range * factor), LargestOfAll / (most * factor),
       LargestFactor / factor, LargestFactor / glm::length(ofData[a]) });
   }
   return { std::isfinite(scale) && scale > 0.0 ? scale : 1.0,
-    (ofValues && !scene.Ranges) || most > NearRange * range };
+    (ofValues && !scene.Ranges) || wide || most > NearRange * range };
 }
 
 } // namespace
@@ -541,7 +555,7 @@ void SetBlending(
   const int component =
     kind.Components && functions.Kind == ComponentKind::Independent ? scene.Blend.IsoComponent : 0;
   const auto asFetched = [&](double value) { return AsFetched(p.Volume, component, value); };
-  const auto fetched = [&](double value) { return ToFinite(asFetched(value)); };
+  const auto fetched = [&](double value) { return LimitAsFetched(scene, p, component, value); };
   p.ValueLow = fetched(scene.Blend.Low[0]);
   p.ValueHigh = fetched(scene.Blend.High[0]);
   const bool maximum = scene.Blend.Mode == BlendMode::Maximum;

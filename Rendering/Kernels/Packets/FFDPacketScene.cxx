@@ -66,6 +66,15 @@ bool MayOverflow(const std::vector<MinMaxBlocks::Limits>& ranges, const PacketVo
   return false;
 }
 
+/// Where values are near to zero: at the first of a table or, where a table begins far from all
+/// values but one, which stands for no data, at the end of the others.
+double FindShift(const TransferTable& table, const MinMaxBlocks::Limits& common)
+{
+  const double low = table.GetLow();
+  const double width = common.Max - common.Min;
+  return low < common.Min - width ? common.Min : low > common.Max + width ? common.Max : low;
+}
+
 /// Lets packets read integers of 32 bits as such where the ranges of all components allow it. Shift
 /// and Scale are known.
 void SetWords(const std::vector<MinMaxBlocks::Limits>& ranges, PacketVolume& v)
@@ -182,8 +191,13 @@ void SetVolume(const CastScene& scene, const OpticalFunctions& functions,
         kind.Components ? FindTable(scene, functions, c % 4 % v.Components) : scene.Table;
       if (table)
       {
-        p.Volume.Shift[c] = table->GetLow();
-        p.Volume.Scale[c] = table->GetScale();
+        constexpr double WidestCommon = 1e20;
+        constexpr double LargestFetched = 1e36;
+        const double width = static_cast<double>(table->GetSize() - 1) / table->GetScale();
+        p.Volume.Shift[c] = scene.CommonRanges
+          ? FindShift(*table, (*scene.CommonRanges)[static_cast<std::size_t>(c % 4 % v.Components)])
+          : table->GetLow();
+        p.Volume.Scale[c] = width > WidestCommon ? LargestFetched / width : table->GetScale();
       }
     }
     if (scene.Ranges)

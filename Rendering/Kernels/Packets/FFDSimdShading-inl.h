@@ -40,11 +40,12 @@ HWY_NOINLINE inline void BringIntoReach(Vec3& v)
 {
   const Df d;
   const Vf squared = Dot(v, v);
-  const Mf beyond = hn::AndNot(HasSquare(squared), hn::Ne(squared, hn::Zero(d)));
-  if (HWY_UNLIKELY(!hn::AllFalse(d, beyond)))
+  const Mf within = HasSquare(squared);
+  if (HWY_UNLIKELY(!hn::AllTrue(d, within)))
   {
+    // Squares of very short ones are zero.
     const Vf factor = hn::IfThenElse(hn::Lt(squared, Splat(1.0f)), Splat(0x1p70f), Splat(0x1p-70f));
-    v = Scale(hn::IfThenElse(beyond, factor, Splat(1.0f)), v);
+    v = Scale(hn::IfThenElse(within, Splat(1.0f), factor), v);
   }
 }
 
