@@ -153,6 +153,19 @@ class TestRepresentation(unittest.TestCase):
         self.assertEqual(self.display.FFDShade, 0)
         self.assertEqual(self.display.UseSeparateOpacityArray, 1)
 
+    def test_switching_keeps_the_cropping_box(self):
+        self.show()
+        self.display.FFDUseCropping = 1
+        self.display.FFDCroppingScale = [0.5, 1.0, 1.0]
+        self.display.FFDCroppingOrigin = [3.0, 0.0, 0.0]
+        self.display.SetRepresentationType("Volume")
+        self.assertEqual(self.display.UseCropping, 1)
+        self.assertEqual(list(self.display.CroppingScale), [0.5, 1.0, 1.0])
+        self.assertEqual(list(self.display.CroppingOrigin), [3.0, 0.0, 0.0])
+        self.display.CroppingScale = [1.0, 0.5, 1.0]
+        self.display.SetRepresentationType("FFD Volume")
+        self.assertEqual(list(self.display.FFDCroppingScale), [1.0, 0.5, 1.0])
+
     def test_animated_properties(self):
         """There are tracks for what varies in time, and for nothing else of the lattice."""
         self.show()
@@ -713,6 +726,25 @@ class TestRepresentation(unittest.TestCase):
         simple.Hide(ball, self.view)
         simple.Hide(behind, self.view)
         self.assertLessEqual(ffd.differ(ffd.picture(self.view, "selection"), before)[0], 2)
+
+    def test_transformed_before_the_first_frame(self):
+        """Nothing is cut by planes of the camera that are those of another box."""
+        for change in ({"Orientation": [0.0, 0.0, 45.0]}, {"Orientation": [0.0, 0.0, 180.0]},
+                       {"Scale": [-1.0, 1.0, 1.0]}):
+            with self.subTest(change):
+                self.lattice = simple.FFDLattice(Input=self.wavelet)
+                self.display = simple.Show(self.lattice, self.view)
+                self.opacity = ffd.set_functions(opaque=True)
+                for name, value in change.items():
+                    setattr(self.display, name, value)
+                first = ffd.picture(self.view, "first")
+                self.assertGreater(ffd.lit(first), 1000)
+                self.display.Position = [0.0, 0.0, 1.0]
+                simple.Render(self.view)
+                self.display.Position = [0.0, 0.0, 0.0]
+                self.assertLess(ffd.differ(ffd.picture(self.view, "later"), first)[1], 0.1)
+                simple.Delete(self.display)
+                simple.Delete(self.lattice)
 
     def test_transform(self):
         """Place, rotation and scale of the representation: as if the camera had moved, and half as

@@ -13,6 +13,7 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkMatrix3x3.h"
+#include "vtkMatrix4x4.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
@@ -263,6 +264,25 @@ Bounds Unite(const Bounds& a, const Bounds& b)
   }
   return { { std::min(a[0], b[0]), std::max(a[1], b[1]), std::min(a[2], b[2]), std::max(a[3], b[3]),
     std::min(a[4], b[4]), std::max(a[5], b[5]) } };
+}
+
+//------------------------------------------------------------------------------
+Bounds Transform(const Bounds& bounds, vtkMatrix4x4* matrix)
+{
+  Bounds result = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX,
+    VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
+  for (int corner = 0; corner < 8; ++corner)
+  {
+    double p[4] = { bounds[corner & 1], bounds[2 + ((corner >> 1) & 1)], bounds[4 + (corner >> 2)],
+      1.0 };
+    matrix->MultiplyPoint(p, p);
+    for (int a = 0; a < 3; ++a)
+    {
+      result[2 * a] = std::min(result[2 * a], p[a]);
+      result[2 * a + 1] = std::max(result[2 * a + 1], p[a]);
+    }
+  }
+  return result;
 }
 
 //------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ class vtkFFDInverseRayVolumeMapper;
 class vtkFFDLattice;
 class vtkImageData;
 class vtkInformation;
+class vtkMatrix4x4;
 class vtkMultiProcessController;
 
 namespace ffdparts
@@ -41,6 +42,7 @@ bool Contains(const Extent& outer, const Extent& inner);
 Extent Intersect(const Extent& a, const Extent& b);
 Bounds Intersect(const Bounds& a, const Bounds& b); ///< NoBounds where they touch at most
 Bounds Unite(const Bounds& a, const Bounds& b);
+Bounds Transform(const Bounds& bounds, vtkMatrix4x4* matrix); ///< around the eight corners
 
 /// The whole image, of which a process may hold a part: extent, origin, spacing, direction.
 struct Grid

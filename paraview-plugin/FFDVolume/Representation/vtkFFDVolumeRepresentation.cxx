@@ -423,8 +423,12 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
     if (GetNumberOfProcesses() == 1)
     {
       this->Actor->ComputeMatrix();
-      this->HandOver(inInfo, this->DataBounds,
-        vtkMath::AreBoundsInitialized(this->DataBounds) ? this->Actor->GetMatrix() : nullptr);
+      ffdparts::Bounds place;
+      std::copy_n(this->DataBounds, place.size(), place.begin());
+      this->HandOver(inInfo,
+        vtkMath::AreBoundsInitialized(this->DataBounds)
+          ? ffdparts::Transform(place, this->Actor->GetMatrix())
+          : place);
     }
     else
     {
@@ -435,8 +439,7 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
         ShareOut(shown);
         for (vtkFFDVolumeRepresentation* each : shown)
         {
-          each->HandOver(
-            inInfo, each->Internals->Volumes.front()->Distribution.GetOwnBox().data(), nullptr);
+          each->HandOver(inInfo, each->Internals->Volumes.front()->Distribution.GetOwnBox());
         }
       }
     }
@@ -480,16 +483,15 @@ bool vtkFFDVolumeRepresentation::RemoveFromView(vtkView* view)
 }
 
 //------------------------------------------------------------------------------
-/// Give the view what this process renders; `place` is its part of the scene, after the matrix if
-/// that is not null.
-void vtkFFDVolumeRepresentation::HandOver(
-  vtkInformation* view, const double place[6], vtkMatrix4x4* toScene)
+/// Give the view what this process renders; `place` is its part of the scene. (With a matrix
+/// vtkPVRenderView would transform the first and the last corner of a box alone.)
+void vtkFFDVolumeRepresentation::HandOver(vtkInformation* view, const std::array<double, 6>& place)
 {
   vtkPVRenderView::SetPiece(view, this, this->Cache, this->DataSize, 0);
   // The volume is never brought to the client, which shows the outline while it has no picture.
   vtkPVRenderView::SetDeliverToClientAndRenderingProcesses(view, this, false, false, 0);
   vtkPVRenderView::SetPiece(view, this, this->OutlineSource->GetOutputDataObject(0), 0, 1);
-  vtkPVRenderView::SetGeometryBounds(view, this, place, toScene);
+  vtkPVRenderView::SetGeometryBounds(view, this, place.data());
   vtkPVRenderView::SetRequiresDistributedRendering(view, this, true);
   vtkPVRenderView::SetOrderedCompositingConfiguration(
     view, this, vtkPVRenderView::USE_BOUNDS_FOR_REDISTRIBUTION);

@@ -46,6 +46,7 @@
 #include "vtkImageVolumeRepresentation.h"
 #include "vtkNew.h" // for vtkNew
 
+#include <array>   // for std::array
 #include <cstddef> // for std::size_t
 #include <memory>  // for std::unique_ptr
 #include <vector>  // for std::vector
@@ -54,7 +55,6 @@ class vtkAlgorithm;
 class vtkFFDInverseRayVolumeMapper;
 class vtkFFDLattice;
 class vtkImageData;
-class vtkMatrix4x4;
 class vtkPVRenderView;
 struct vtkFFDShownComponents;
 
@@ -221,7 +221,7 @@ private:
   vtkFFDVolumeRepresentation(const vtkFFDVolumeRepresentation&) = delete;
   void operator=(const vtkFFDVolumeRepresentation&) = delete;
 
-  void HandOver(vtkInformation* view, const double place[6], vtkMatrix4x4* toScene);
+  void HandOver(vtkInformation* view, const std::array<double, 6>& place);
   std::vector<vtkFFDVolumeRepresentation*> FindShownVolumes();
   void MarkOthersModified();
   static void ShareOut(const std::vector<vtkFFDVolumeRepresentation*>& volumes);

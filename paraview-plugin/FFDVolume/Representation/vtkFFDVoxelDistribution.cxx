@@ -56,24 +56,6 @@ bool KeepsBoxes(vtkMatrix4x4* matrix)
   return true;
 }
 
-Bounds Transform(const Bounds& bounds, vtkMatrix4x4* matrix)
-{
-  Bounds result = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX,
-    VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
-  for (int corner = 0; corner < 8; ++corner)
-  {
-    double p[4] = { bounds[corner & 1], bounds[2 + ((corner >> 1) & 1)], bounds[4 + (corner >> 2)],
-      1.0 };
-    matrix->MultiplyPoint(p, p);
-    for (int a = 0; a < 3; ++a)
-    {
-      result[2 * a] = std::min(result[2 * a], p[a]);
-      result[2 * a + 1] = std::max(result[2 * a + 1], p[a]);
-    }
-  }
-  return result;
-}
-
 /// Ranges of the array over all processes, see GetRangesName(); null if it is nowhere, or holds no
 /// finite number. To be called on all processes.
 vtkSmartPointer<vtkDoubleArray> FindRanges(
@@ -318,7 +300,7 @@ void vtkFFDVoxelDistribution::DecideBoxes(
     each->DeformedBounds =
       each->BoundsFinder.Find(each->Given.Grid, each->Lattice, inputs.InverseMode);
     each->Cover.SetDeformation(each->Lattice, inputs.InverseMode);
-    scene = ffdparts::Unite(scene, Transform(each->DeformedBounds, toScene));
+    scene = ffdparts::Unite(scene, ffdparts::Transform(each->DeformedBounds, toScene));
     inOrder = inOrder && inputs.HasOrder && KeepsBoxes(toScene);
   }
 
@@ -337,7 +319,7 @@ void vtkFFDVoxelDistribution::DecideBoxes(
           for (std::size_t v = 0; v < volumes.size(); ++v)
           {
             points += static_cast<double>(ffdparts::CountPoints(ffdparts::FindNeededExtent(
-              volumes[v]->Given.Grid, volumes[v]->Cover, Transform(box, toData[v]))));
+              volumes[v]->Given.Grid, volumes[v]->Cover, ffdparts::Transform(box, toData[v]))));
           }
           return points;
         });
@@ -354,7 +336,8 @@ void vtkFFDVoxelDistribution::DecideBoxes(
       for (std::size_t r = 0; r < ranks; ++r)
       {
         const Bounds alone = r == 0 ? deformed : ffdparts::NoBounds;
-        add(inOrder ? ffdparts::Intersect(Transform(boxes[r], toData[v]), deformed) : alone);
+        add(inOrder ? ffdparts::Intersect(ffdparts::Transform(boxes[r], toData[v]), deformed)
+                    : alone);
       }
       add(deformed);
     }

@@ -49,10 +49,11 @@ namespace
 using Names = std::array<const char*, 2>;
 
 /// Properties that FFD Volume and ParaView's own Volume both have, by their names there.
-const std::array<Names, 5> SharedOptions{ { { { "FFDShade", "Shade" } },
+const std::array<Names, 7> SharedOptions{ { { { "FFDShade", "Shade" } },
   { { "FFDBlendMode", "BlendMode" } },
   { { "FFDScalarOpacityUnitDistance", "ScalarOpacityUnitDistance" } },
-  { { "FFDIsosurfaceValues", "IsosurfaceValues" } }, { { "FFDUseCropping", "UseCropping" } } } };
+  { { "FFDIsosurfaceValues", "IsosurfaceValues" } }, { { "FFDUseCropping", "UseCropping" } },
+  { { "FFDCroppingOrigin", "CroppingOrigin" } }, { { "FFDCroppingScale", "CroppingScale" } } } };
 
 /// Those that ParaView's color map editor changes, by the second name, whatever is shown.
 const std::array<Names, 8> EditorOptions{
