@@ -49,6 +49,9 @@ constexpr std::size_t LeastKept = 3;
 /// Times are sums of decimals: a step is not to be missed by a rounding error, in steps.
 constexpr double Rounding = 1e-9;
 
+/// The step before a place between steps.
+int FindStep(double place) { return static_cast<int>(std::floor(place + Rounding)); }
+
 /// The result of reading a file.
 struct Volume
 {
@@ -431,6 +434,7 @@ int vtkFFDVolumeSeries::RequestInformation(
 {
   using Pipeline = vtkStreamingDemandDrivenPipeline;
   vtkInformation* info = outputs->GetInformationObject(0);
+  info->Remove(Pipeline::TIME_DEPENDENT_INFORMATION());
   info->Remove(Pipeline::TIME_STEPS());
   info->Remove(Pipeline::TIME_RANGE());
   const int count = this->GetNumberOfFileNames();
@@ -456,7 +460,7 @@ int vtkFFDVolumeSeries::RequestInformation(
     info->Has(Pipeline::UPDATE_TIME_STEP()) && !std::isnan(info->Get(Pipeline::UPDATE_TIME_STEP())))
   {
     const double at = this->FindPlace(info->Get(Pipeline::UPDATE_TIME_STEP()));
-    const Volume shown = this->Internals->Get(static_cast<int>(std::floor(at + Rounding)));
+    const Volume shown = this->Internals->Get(FindStep(at));
     place = shown.Image ? shown.Image : place;
   }
   info->Set(vtkDataObject::ORIGIN(), place->GetOrigin(), 3);
@@ -511,7 +515,7 @@ int vtkFFDVolumeSeries::RequestData(
     return 0;
   }
   const double place = this->FindPlace(time);
-  const int step = static_cast<int>(std::floor(place + Rounding));
+  const int step = FindStep(place);
   const double part = std::max(place - step, 0.0);
   const bool between = this->Interpolation == LINEAR && part > Rounding && step + 1 < count;
   const int last = between ? step + 1 : step;

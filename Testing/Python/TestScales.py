@@ -84,6 +84,13 @@ class TestScales(unittest.TestCase):
         self.assertGreater(numpy.ptp(expected), 100)
         self.assertLess(numpy.abs(picture - expected).mean(), mean)
 
+    def expect_kernels_alike(self, scene, mean):
+        pictures = []
+        for reference in (False, True):
+            scene.mapper.SetReferenceKernels(reference)
+            pictures.append(scene.render())
+        self.expect_same(pictures[0], pictures[1], mean)
+
     def test_extremes_beside_no_data(self):
         maximum, minimum = (vtkffd.vtkFFDInverseRayVolumeMapper.MAXIMUM_INTENSITY_BLEND,
                             vtkffd.vtkFFDInverseRayVolumeMapper.MINIMUM_INTENSITY_BLEND)
@@ -258,11 +265,7 @@ class TestScales(unittest.TestCase):
                     if isosurface:
                         scene.mapper.SetBlendModeToIsoSurface()
                         scene.property.GetIsoSurfaceValues().SetValue(0, 60.0)
-                    pictures = []
-                    for reference in (False, True):
-                        scene.mapper.SetReferenceKernels(reference)
-                        pictures.append(scene.render())
-                    self.expect_same(pictures[0], pictures[1], 0.5)
+                    self.expect_kernels_alike(scene, 0.5)
 
     def test_sums_of_the_largest_numbers(self):
         for mode in ("Additive", "AverageIntensity"):
@@ -273,11 +276,7 @@ class TestScales(unittest.TestCase):
                     scene = Scene(values)
                     scene.property.SetScalarOpacity(scene.ramp((0, 0.05), (100, 0.05)))
                     getattr(scene.mapper, "SetBlendModeTo" + mode)()
-                    pictures = []
-                    for reference in (False, True):
-                        scene.mapper.SetReferenceKernels(reference)
-                        pictures.append(scene.render())
-                    self.expect_same(pictures[0], pictures[1], 0.5)
+                    self.expect_kernels_alike(scene, 0.5)
 
     def test_magnitudes(self):
         def plane(scene):

@@ -364,17 +364,19 @@ bool LooksLikeElastixTransform(std::string_view text)
     {
       continue;
     }
-    const bool isEntry = line.front() == '(';
-    if (isFirst && !isEntry)
+    if (line.front() == '(')
+    {
+      line.remove_prefix(1);
+      if (TakeWord(line) == "Transform")
+      {
+        return true;
+      }
+    }
+    else if (isFirst)
     {
       return false;
     }
     isFirst = false;
-    line.remove_prefix(1);
-    if (isEntry && TakeWord(line) == "Transform")
-    {
-      return true;
-    }
   }
   return false;
 }

@@ -459,9 +459,7 @@ GradientScale FindGradientScale(
     constexpr double Largest = std::numeric_limits<float>::max();
     most = std::max(most, std::min((limits.Max - limits.Min) * p.Volume.Scale[c], Largest));
   }
-  // What functions tell apart that span so much is their ends alone.
-  constexpr double WidestRange = 1e20;
-  const bool wide = ofValues && range > WidestRange * p.Volume.Scale[component];
+  const bool wide = ofValues && range > WidestFunctions * p.Volume.Scale[component];
   const double largest = wide ? LargestOfWide : LargestGradient;
   const glm::dmat3& ofData = scene.Material.GetGradientToLights();
   const glm::dmat3 ofIndex = ofData * glm::transpose(scene.Volume.DataToIndex);

@@ -14,6 +14,10 @@
 namespace ffd
 {
 
+/// Functions that span more, in scalar units, reach to a value that stands for no data: the others
+/// are small beside it.
+constexpr double WidestFunctions = 1e20;
+
 /// The abilities of the vector code that a frame needs.
 struct FrameKind
 {

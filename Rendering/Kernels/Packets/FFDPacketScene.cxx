@@ -191,13 +191,12 @@ void SetVolume(const CastScene& scene, const OpticalFunctions& functions,
         kind.Components ? FindTable(scene, functions, c % 4 % v.Components) : scene.Table;
       if (table)
       {
-        constexpr double WidestCommon = 1e20;
         constexpr double LargestFetched = 1e36;
         const double width = static_cast<double>(table->GetSize() - 1) / table->GetScale();
         p.Volume.Shift[c] = scene.CommonRanges
           ? FindShift(*table, (*scene.CommonRanges)[static_cast<std::size_t>(c % 4 % v.Components)])
           : table->GetLow();
-        p.Volume.Scale[c] = width > WidestCommon ? LargestFetched / width : table->GetScale();
+        p.Volume.Scale[c] = width > WidestFunctions ? LargestFetched / width : table->GetScale();
       }
     }
     if (scene.Ranges)
