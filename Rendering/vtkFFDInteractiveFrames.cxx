@@ -263,6 +263,8 @@ void vtkFFDInteractiveFrames::vtkInternals::Begin()
   this->Frame = Kind::Other;
   if (this->Mappers.empty())
   {
+    // What a still frame was due for is not shown any more.
+    this->Due = false;
     return;
   }
   if (!this->IsStillRate())

@@ -16,6 +16,11 @@ namespace
 
 std::string Selection;
 
+/// A row runs in its turn until so much time has passed, but at most so often: one short frame tells
+/// more of what the machine did before than of itself.
+constexpr double TurnSeconds = 0.03;
+constexpr std::size_t LargestNumberOfRuns = 16;
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -38,6 +43,30 @@ double Row::GetMedian() const { return Median(this->Seconds); }
 
 //------------------------------------------------------------------------------
 double Row::GetCpuMedian() const { return Median(this->CpuSeconds); }
+
+//------------------------------------------------------------------------------
+void Row::TakeTurn()
+{
+  std::vector<double> seconds;
+  std::vector<double> cpuSeconds;
+  double passed = 0.0;
+  do
+  {
+    if (this->Before)
+    {
+      this->Before();
+    }
+    const std::clock_t cpu = std::clock();
+    const auto start = std::chrono::steady_clock::now();
+    this->Run();
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+    cpuSeconds.push_back(static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC);
+    seconds.push_back(wall.count());
+    passed += wall.count();
+  } while (passed < TurnSeconds && seconds.size() < LargestNumberOfRuns);
+  this->Seconds.push_back(Median(std::move(seconds)));
+  this->CpuSeconds.push_back(Median(std::move(cpuSeconds)));
+}
 
 //------------------------------------------------------------------------------
 bool Group::AddRow(const std::string& name, std::size_t rounds)
@@ -90,16 +119,7 @@ void Group::Measure()
       {
         continue;
       }
-      if (row.Before)
-      {
-        row.Before();
-      }
-      const std::clock_t cpu = std::clock();
-      const auto start = std::chrono::steady_clock::now();
-      row.Run();
-      const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
-      row.CpuSeconds.push_back(static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC);
-      row.Seconds.push_back(wall.count());
+      row.TakeTurn();
     }
   }
   for (Row& row : this->Rows)

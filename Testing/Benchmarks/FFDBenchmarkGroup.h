@@ -21,13 +21,16 @@ struct Row
   std::size_t Rounds = 0;
   std::function<void()> Before; ///< not timed, may be empty
   std::function<void()> Run;
-  std::vector<double> Seconds;    ///< wall time of each round
+  std::vector<double> Seconds;    ///< wall time of each turn: the median of its runs
   std::vector<double> CpuSeconds; ///< of all threads of the process
   std::map<std::string, double> Counters;
   std::string Refusal; ///< why no time is reported; empty: it is
 
   double GetMedian() const;
   double GetCpuMedian() const;
+
+  /// Times Run, more than once where it is short.
+  void TakeTurn();
 };
 
 class Group

@@ -19,6 +19,7 @@ from vtkmodules.vtkRenderingCore import (
     vtkRenderWindowInteractor,
     vtkVolume,
 )
+from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
 from vtkmodules.vtkRenderingUI import vtkGenericRenderWindowInteractor
 
 
@@ -102,6 +103,34 @@ class InteractiveFrames(unittest.TestCase):
         frames.SetInteractor(interactor)
         frames.RenderStill()
         self.assertEqual(len(rendered), 1)
+
+    def test_volume_that_goes(self):
+        """A window that shows no volume of ours any more is drawn once, not for ever."""
+        renderer = self.window.GetRenderers().GetFirstRenderer()
+        volume = renderer.GetVolumes().GetLastProp()
+        mapper = vtkFixedPointVolumeRayCastMapper()
+        mapper.SetInputConnection(self.mapper.GetInputConnection(0, 0))
+        ways = {
+            "removed": (lambda: renderer.RemoveVolume(volume), lambda: renderer.AddVolume(volume)),
+            "hidden": (volume.VisibilityOff, volume.VisibilityOn),
+            "renderer": (renderer.DrawOff, renderer.DrawOn),
+            "mapper": (lambda: volume.SetMapper(mapper), lambda: volume.SetMapper(self.mapper)),
+        }
+        for name, (hide, show) in ways.items():
+            with self.subTest(name):
+                interactor, frames = self.frames_of_a_window(0.0)
+                self.window.Render()
+                self.assertTrue(frames.IsStillFrameDue())
+                hide()
+                rendered = []
+                tag = self.window.AddObserver("StartEvent", lambda *_: rendered.append(1))
+                time.sleep(0.1)
+                for timer in 3 * list(range(8)):
+                    interactor.InvokeEvent("TimerEvent", timer)
+                self.window.RemoveObserver(tag)
+                show()
+                frames.SetInteractor(None)
+                self.assertEqual(len(rendered), 1)
 
     def serve_events(self, is_done):
         """Until it returns true, once for each interactor: VTK's loop for X does not start twice."""
