@@ -120,6 +120,16 @@ vtkFFDLatticeWidget::~vtkFFDLatticeWidget()
   {
     this->Interactor->RemoveObserver(this->InteractorWatch);
   }
+  if (this->Dragging)
+  {
+    // The representation and the window go on without it.
+    this->GetLatticeRepresentation()->CancelInteraction();
+    if (this->HasWindow())
+    {
+      this->ReleaseFocus();
+      this->EndInteraction();
+    }
+  }
   this->Forwarder->Delete();
   this->InteractorWatch->Delete();
 }

@@ -337,6 +337,25 @@ class TestWidget(unittest.TestCase):
         self.assertEqual(self.widget.GetEnabled(), 0)
         self.widget.Off()
 
+    def test_widget_that_goes_during_a_drag(self):
+        """Its representation may stay, with another widget, and the window draws still pictures again."""
+        x, y = self.display(3, 3, 3)
+        self.send("MouseMoveEvent", x, y)
+        self.send("LeftButtonPressEvent", x, y)
+        self.send("MouseMoveEvent", x - 30, y - 20)
+        self.assertEqual(self.rep.IsInteracting(), 1)
+        self.widget = None
+        self.assertEqual(self.rep.IsInteracting(), 0)
+        self.assertTrue(self.lattice.IsIdentity())
+        self.assertEqual(
+            self.window.GetDesiredUpdateRate(), self.interactor.GetStillUpdateRate())
+        self.send("LeftButtonReleaseEvent", x - 30, y - 20)
+        self.widget = WIDGET()
+        self.widget.SetInteractor(self.interactor)
+        self.widget.SetRepresentation(self.rep)
+        self.widget.On()
+        self.test_drag_and_undo()
+
     def test_observers_that_end_the_widget(self):
         """The last reference to it may go while it works."""
         def end(*_):
