@@ -16,8 +16,8 @@ namespace
 
 std::string Selection;
 
-/// A row runs in its turn until so much time has passed, but at most so often: one short frame tells
-/// more of what the machine did before than of itself.
+/// A row runs in its turn until so much time has passed, but at most so often: one short frame
+/// tells more of what the machine did before than of itself.
 constexpr double TurnSeconds = 0.03;
 constexpr std::size_t LargestNumberOfRuns = 16;
 

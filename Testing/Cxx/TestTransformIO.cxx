@@ -5,6 +5,7 @@
 #include "FFDTestHelpers.h"
 
 #include "vtkAbstractTransform.h"
+#include "vtkCallbackCommand.h"
 #include "vtkFFDTransformReader.h"
 #include "vtkFFDTransformWriter.h"
 #include "vtkFFDVolumeReader.h"
@@ -16,9 +17,12 @@
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
+#include <future>
 #include <iterator>
 #include <locale>
 #include <string>
+#include <utility>
 
 namespace
 {
@@ -148,6 +152,11 @@ public:
   ~CommaLocale() { std::locale::global(std::locale::classic()); }
 };
 
+char GetDecimalPoint()
+{
+  return std::use_facet<std::numpunct<char>>(std::locale()).decimal_point();
+}
+
 int CheckLocale(const std::string& folder)
 {
   vtkNew<vtkFFDLattice> lattice;
@@ -185,9 +194,49 @@ int CheckLocale(const std::string& folder)
     FFD_CHECK(read->GetNumberOfPoints() == 4800);
     FFD_CHECK(read->GetSpacing()[1] == 1.25 && read->GetOrigin()[1] == 2500.25);
     // The program's own locale is there again.
-    FFD_CHECK(std::use_facet<std::numpunct<char>>(std::locale()).decimal_point() == ',');
+    FFD_CHECK(GetDecimalPoint() == ',');
   }
   FFD_CHECK(reads(theirs));
+  return EXIT_SUCCESS;
+}
+
+/// One thread reads while another one begins, and is done before that is.
+int CheckLocaleOfThreads(const std::string& folder)
+{
+  const std::string name = folder + "/there-is-none.tfm";
+  const CommaLocale comma;
+  std::promise<void> begun;
+  std::promise<void> done;
+  char point = '?';
+  // Calls the function once, while it reads: when it tells that it cannot.
+  const auto read = [&name](std::function<void()> function) {
+    vtkNew<vtkFFDTransformReader> reader;
+    reader->SetFileName(name.c_str());
+    vtkNew<vtkCallbackCommand> command;
+    command->SetClientData(&function);
+    command->SetCallback([](vtkObject*, unsigned long, void* data, void*) {
+      const auto call = std::exchange(*static_cast<std::function<void()>*>(data), nullptr);
+      if (call)
+      {
+        call();
+      }
+    });
+    reader->AddObserver(vtkCommand::ErrorEvent, command);
+    return reader->GetTransform() == nullptr;
+  };
+  std::future<bool> second;
+  const bool first = read([&] {
+    second = std::async(std::launch::async, read, [&] {
+      begun.set_value();
+      done.get_future().wait();
+      point = GetDecimalPoint();
+    });
+    begun.get_future().wait();
+  });
+  done.set_value();
+  FFD_CHECK(first && second.valid() && second.get());
+  FFD_CHECK(point == '.');
+  FFD_CHECK(GetDecimalPoint() == ',');
   return EXIT_SUCCESS;
 }
 
@@ -200,7 +249,7 @@ int TestTransformIO(int argc, char* argv[])
   const std::string folder = testing->GetTempDirectory();
   const std::string data = testing->GetDataRoot();
   if (CheckFormats(folder) != EXIT_SUCCESS || CheckLocale(folder) != EXIT_SUCCESS ||
-    CheckHostileFiles(data, folder) != EXIT_SUCCESS)
+    CheckLocaleOfThreads(folder) != EXIT_SUCCESS || CheckHostileFiles(data, folder) != EXIT_SUCCESS)
   {
     return EXIT_FAILURE;
   }
