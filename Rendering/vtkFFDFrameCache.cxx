@@ -164,8 +164,9 @@ bool vtkFFDFrameCache::Update(
     functions = functions.WithVersion(functions->Visibility);
   }
   this->UpdateMaskBlocks(tools);
-  this->Space.Update(
-    tools, this->Blocks.GetProduct(), this->MaskBlocks.GetProduct(), functions, { this->Blend });
+  const bool cropsAtRest = this->Crop.Space == ffd::Cropping::Spaces::Rest;
+  this->Space.Update(tools, this->Blocks.GetProduct(), this->MaskBlocks.GetProduct(), functions,
+    { this->Blend }, cropsAtRest ? this->Crop : ffd::Cropping());
   this->Distances = this->Space->CanLeap ? &this->Space->Distances : nullptr;
   this->Peaks = this->Space->CanLeap && !this->Space->Peaks.empty() ? &this->Space->Peaks : nullptr;
   return true;

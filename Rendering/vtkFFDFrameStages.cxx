@@ -19,6 +19,7 @@
 #include <glm/matrix.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <mutex>
@@ -130,6 +131,56 @@ std::vector<std::uint8_t> FindHiddenBlocks(
     }
   });
   return result;
+}
+
+/// As ComponentBlocks::Hidden, with the blocks of which nothing is left by a cropping of the volume
+/// at rest.
+std::vector<std::uint8_t> CropBlocks(const Cropping& crop, const glm::ivec3& blocks,
+  std::vector<std::uint8_t> hidden, const ParallelFor& parallelFor)
+{
+  // Kernels round positions and planes.
+  constexpr double rounding = 0.01;
+  // For each block of an axis a bit for each of the three parts that planes cut the axis into.
+  std::vector<int> parts[3];
+  for (int a = 0; a < 3; ++a)
+  {
+    for (int block = 0; block < blocks[a]; ++block)
+    {
+      const double from = block == 0 ? -VTK_DOUBLE_MAX : block * MinMaxBlocks::BlockSize - rounding;
+      const double to =
+        block == blocks[a] - 1 ? VTK_DOUBLE_MAX : (block + 1) * MinMaxBlocks::BlockSize + rounding;
+      const int first = (from >= crop.Low[a] ? 1 : 0) + (from >= crop.High[a] ? 1 : 0);
+      const int last = (to >= crop.Low[a] ? 1 : 0) + (to >= crop.High[a] ? 1 : 0);
+      parts[a].push_back((2 << last) - (1 << first));
+    }
+  }
+  // Whether any region of such parts is shown, by the bits of the three axes.
+  std::array<bool, 512> shown{};
+  for (int bits = 0; bits < 512; ++bits)
+  {
+    for (int region = 0; region < 27; ++region)
+    {
+      const int own = 1 << region % 3 | 8 << region / 3 % 3 | 64 << region / 9;
+      shown[bits] = shown[bits] || ((crop.Flags >> region & 1) != 0 && (bits & own) == own);
+    }
+  }
+  hidden.resize(GridSize(blocks));
+  parallelFor(static_cast<std::size_t>(blocks.z), [&](std::size_t begin, std::size_t end) {
+    std::size_t at = begin * GridSize(glm::ivec3(blocks.x, blocks.y, 1));
+    for (std::size_t k = begin; k < end; ++k)
+    {
+      for (const int y : parts[1])
+      {
+        const bool* const ofRow = &shown[64 * parts[2][k] + 8 * y];
+        for (const int x : parts[0])
+        {
+          hidden[at] = hidden[at] != 0 || !ofRow[x] ? 1 : 0;
+          ++at;
+        }
+      }
+    }
+  });
+  return hidden;
 }
 
 /// Whether a deformation T leaves a region no inside, as when all control points are in one plane:
@@ -448,13 +499,19 @@ std::size_t EmptySpace::GetMemorySize() const
 //------------------------------------------------------------------------------
 Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<ComponentBlocks>& blocks,
   const Product<MaskBlocks>& mask, const Product<TransferFunctions>& functions,
-  const LeapBlending& blending)
+  const LeapBlending& blending, const Cropping& crop)
 {
   const OpticalFunctions& optics = functions->Optics;
   const ComponentOptics& first = optics.Components[0];
   const BlendMode mode = blending.Blend.Mode;
   const MinMaxBlocks* const shown = mask->Blocks ? &*mask->Blocks : nullptr;
-  const std::vector<std::uint8_t>* const hidden = &blocks->Hidden;
+  const std::vector<std::uint8_t>* hidden = &blocks->Hidden;
+  std::vector<std::uint8_t> cropped;
+  if (crop.Space == Cropping::Spaces::Rest)
+  {
+    cropped = CropBlocks(crop, blocks->Blocks[0].GetBlocks(), *hidden, tools.Parallel);
+    hidden = &cropped;
+  }
   result.CanLeap = true;
   result.Peaks.clear();
   if (mode != BlendMode::Composite)

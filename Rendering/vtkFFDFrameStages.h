@@ -15,6 +15,7 @@
 
 #include "Bounds/FFDPullBackBounds.h"
 #include "FFDBSplineField.h"
+#include "FFDCropping.h"
 #include "FFDDistanceMap.h"
 #include "FFDFieldCache.h"
 #include "FFDFunctionCache.h"
@@ -160,9 +161,10 @@ struct EmptySpace
   std::size_t GetMemorySize() const;
 };
 
+/// `crop`: of the volume at rest; that of what has been deformed hides no block.
 Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<ComponentBlocks>& blocks,
   const Product<MaskBlocks>& mask, const Product<TransferFunctions>& functions,
-  const LeapBlending& blending);
+  const LeapBlending& blending, const Cropping& crop);
 
 } // namespace ffd
 

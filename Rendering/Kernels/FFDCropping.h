@@ -38,6 +38,12 @@ struct Cropping
     }
     return (this->Flags >> region & 1) != 0;
   }
+
+  bool operator==(const Cropping& other) const
+  {
+    return this->Space == other.Space && this->Low == other.Low && this->High == other.High &&
+      this->Flags == other.Flags;
+  }
 };
 
 } // namespace ffd

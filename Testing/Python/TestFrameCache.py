@@ -260,10 +260,10 @@ CLASSES = {
             SetColorRangeType SetGradientOpacityRangeType SetScalarOpacityRangeType
             SetTransfer2DYAxisArray SetWholeScalarRange""",
         "picture": """
-            ComputeNormalFromOpacityOn CroppingOn PremultipliedAlphaOn ReferenceKernelsOn
+            ComputeNormalFromOpacityOn PremultipliedAlphaOn ReferenceKernelsOn
             RemoveAllClippingPlanes RemoveAllInputConnections RemoveAllInputs RemoveClipBox
             RemoveInputConnection RenderToImageOn SetBlendModeToSlice SetClipBox
-            SetClippingPlanes SetComputeNormalFromOpacity SetCropping
+            SetClippingPlanes SetComputeNormalFromOpacity
             SetEarlyRayTerminationThreshold SetFinalColorLevel SetFinalColorWindow
             SetImageSampleDistance SetInputConnection SetMaskBlendFactor SetMaximumSegmentLength
             SetOpacityLength SetOpacityLengthToMaterial SetPositionTolerance
@@ -274,6 +274,7 @@ CLASSES = {
         "picture B": """
             SetInverseMode SetInverseModeToFirstOrder SetInverseModeToPullBack SetWholeBounds""",
         "picture D": """
+            CroppingOn SetCropping
             SetBlendMode SetBlendModeToAdditive SetBlendModeToAverageIntensity
             SetBlendModeToIsoSurface SetBlendModeToMaximumIntensity
             SetBlendModeToMinimumIntensity""",

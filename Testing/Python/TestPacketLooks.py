@@ -679,6 +679,38 @@ class TestPacketLooks(unittest.TestCase):
                         balls[1], high, low).ravel()
                     mask.GetPointData().GetScalars().Modified()
 
+    def test_what_is_cropped_is_leaped_over(self):
+        scale, mapper, prop, volume = self.make("u1", False)
+        size = 64
+        image = vtkImageData()
+        image.SetDimensions(size, size, size)
+        image.SetSpacing(*(n / (size - 1.0) for n in SIZE))
+        noise = numpy.random.default_rng(1).integers(0, scale, size ** 3, dtype="u1")
+        image.GetPointData().SetScalars(numpy_to_vtk(noise, deep=True))
+        mapper.SetInputData(image)
+        mapper.CollectStatisticsOn()
+        prop.SetScalarOpacity(points((0.8 * scale, 0.0), (scale, 0.5)))
+        mapper.SetCroppingRegionPlanes(*(a * n for n in SIZE for a in (0.3, 0.6)))
+        shape = vtkffd.vtkFFDLatticeSource()
+        shape.SetBounds(image.GetBounds())
+        shape.SetShape(shape.TWIST)
+        shape.Update()
+        for deformation, flags in itertools.product((None, shape.GetLattice()), (0x2000, 0x6003)):
+            mapper.SetDeformation(deformation)
+            mapper.SetCroppingRegionFlags(flags)
+            looks = []
+            for cropping in (0, 1):
+                mapper.SetCropping(cropping)
+                mapper.SetSpaceLeapingToLipschitz()
+                leaping = self.picture(mapper, volume, False, pixels=PIXELS_COUNTED)
+                looks.append(mapper.GetStatistics().GetNumberOfDistanceLookups())
+            mapper.SetSpaceLeapingToOff()
+            every = self.picture(mapper, volume, False, pixels=PIXELS_COUNTED)
+            self.assertGreater((every[:, 3] > 0).mean(), 0.004)
+            numpy.testing.assert_allclose(leaping, every, atol=1.01)
+            if flags == 0x2000:
+                self.assertLess(looks[1], 0.7 * looks[0])
+
     def test_extremes_end_where_nothing_beyond_them_shows(self):
         # Dark air in front of it makes a minimum invisible, whatever comes behind.
         scale, mapper, prop, volume = self.make("u1", False)

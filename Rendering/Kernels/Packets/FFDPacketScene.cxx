@@ -174,7 +174,6 @@ void SetVolume(const CastScene& scene, const OpticalFunctions& functions,
   const CastSettings& settings, const FrameKind& kind, PacketScene& p)
 {
   const VolumeView& v = scene.Volume;
-  p.Reference = SelectSampleFunctions(v.Type, scene.VolumeInterpolation);
   p.Volume = MakePacketVolume(v, scene.VolumeInterpolation == Interpolation::Nearest);
   p.Volume.Components = kind.Components ? v.Components : 1;
   const double slice = static_cast<double>(v.Increments[2]) * p.Volume.ElementSize;

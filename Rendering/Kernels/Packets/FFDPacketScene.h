@@ -180,7 +180,6 @@ struct PacketScene
   CastSettings Settings;
   const CastScene* Source = nullptr;
   PacketSampling Sampling = PacketSampling::Composite;
-  SampleFunctions Reference; ///< for the few samples at the border of the volume
 
   PacketVolume Volume;
   PacketGrid Grid;

@@ -17,8 +17,6 @@
 #include "FFDSimdRepeatedVoxels-inl.h"
 #include "FFDSimdRows-inl.h"
 
-#include <glm/vec3.hpp>
-
 HWY_BEFORE_NAMESPACE();
 namespace ffd
 {
@@ -27,9 +25,7 @@ namespace HWY_NAMESPACE
 
 /**
  * Interpolates samples near the faces of the volume, where not all voxels that a sample and its
- * gradient need exist. Positions between voxels are interpolated in vector code, from a copy in
- * which the outermost voxels are repeated; positions beyond the outermost voxels one by one, by the
- * reference functions.
+ * gradient need exist, from a copy in which the outermost voxels are repeated.
  */
 template <class T>
 class BorderSamples
@@ -42,185 +38,90 @@ public:
   {
   }
 
-  /// The values at q in the lanes of `border`, `value` in the others.
+  /// The values at q in the lanes of `border`, at least one, `value` in the others.
   HWY_NOINLINE Vf Value(const Vec3& q, Mf border, Vf value)
   {
-    const Df d;
-    const Mf between = this->BetweenVoxels(q, border);
-    if (!hn::AllFalse(d, between))
-    {
-      this->Voxels.Fill(this->Scene.Volume, q, between);
-      SampleRows<T> rows;
-      value = hn::IfThenElse(
-        between, Sample<T>(this->FindRows(), this->Voxels.GetPosition(), rows), value);
-    }
-    const Mf others = hn::AndNot(between, border);
-    return hn::AllFalse(d, others)
-      ? value
-      : this->ValueByReference(this->Scene.Source->Volume, 0, q, others, value);
-  }
-
-  /// Returns `value` but in the lanes of `border` whose positions are beyond the outermost voxels.
-  HWY_INLINE Vf ValueBeyond(const Vec3& q, Mf border, Vf value) const
-  {
-    const Mf beyond = hn::AndNot(this->BetweenVoxels(q, border), border);
-    return HWY_LIKELY(hn::AllFalse(Df(), beyond))
-      ? value
-      : this->ValueByReference(this->Scene.Source->Volume, 0, q, beyond, value);
+    this->Voxels.Fill(this->Scene.Volume, q, border);
+    SampleRows<T> rows;
+    return hn::IfThenElse(
+      border, Sample<T>(this->FindRows(), this->Voxels.GetPosition(), rows), value);
   }
 
   /// The gradients at q in the lanes of `border`, `gradient` in the others; after Value(), or of a
   /// source that is `repeating` voxels.
   HWY_NOINLINE Vec3 Gradient(const Vec3& q, Mf border, const Vec3& gradient, bool repeating) const
   {
-    const Mf between = this->BetweenVoxels(q, border);
-    Vec3 result = gradient;
-    if (repeating)
-    {
-      result = Select(between, AtFaces(this->Scene.Volume, q, gradient), gradient);
-    }
-    else if (!hn::AllFalse(Df(), between))
+    Vec3 own = gradient;
+    if (!repeating)
     {
       const OffsetRows<T> source = this->FindRows();
       const SamplePosition& at = this->Voxels.GetPosition();
       SampleRows<T> rows;
       Sample<T>(source, at, rows);
-      const Vec3 own = HWY_NAMESPACE::Gradient<T>(source, at, rows);
-      result = Select(between, AtFaces(this->Scene.Volume, q, own), gradient);
+      own = HWY_NAMESPACE::Gradient<T>(source, at, rows);
     }
-    const Mf others = hn::AndNot(between, border);
-    return hn::AllFalse(Df(), others)
-      ? result
-      : this->GradientByReference(this->Scene.Source->Volume, 0, q, others, result);
+    return Select(border, AtFaces(this->Scene.Volume, q, own), gradient);
   }
 
-  /// Replaces the values around q in the lanes of `border`; after Value(), or of a source that is
-  /// `repeating` voxels. The last samples are forgotten.
-  HWY_NOINLINE void Neighbors(const Vec3& q, Mf border, bool repeating, NeighborValues& neighbors)
+  /// Replaces the values around the last samples of Value() in the lanes of `border`.
+  HWY_NOINLINE void Neighbors(Mf border, NeighborValues& neighbors) const
   {
-    const Mf between = this->BetweenVoxels(q, border);
-    if (!repeating && !hn::AllFalse(Df(), between))
-    {
-      const OffsetRows<T> source = this->FindRows();
-      SampleRows<T> rows;
-      Sample<T>(source, this->Voxels.GetPosition(), rows);
-      const NeighborValues own = FindNeighborValues<T>(source, this->Voxels.GetPosition(), rows);
-      ReplaceNeighbors(between, own, neighbors);
-    }
-    const Mf others = hn::AndNot(between, border);
-    if (!hn::AllFalse(Df(), others))
-    {
-      this->ForNeighbors(q, [&](const Vec3& at, int a, bool behind) {
-        Vf& value = behind ? neighbors.Behind[a] : neighbors.Before[a];
-        value = hn::IfThenElse(others, this->Value(at, others, value), value);
-      });
-    }
+    const OffsetRows<T> source = this->FindRows();
+    SampleRows<T> rows;
+    Sample<T>(source, this->Voxels.GetPosition(), rows);
+    const NeighborValues own = FindNeighborValues<T>(source, this->Voxels.GetPosition(), rows);
+    ReplaceNeighbors(border, own, neighbors);
   }
 
-  /// Replaces the values of all components of a volume in the lanes of `border`.
+  /// Replaces the values of all components at q in the lanes of `border`, at least one.
   HWY_NOINLINE void ComponentValues(const Vec3& q, Mf border, Vf* values)
   {
-    const VolumeView& volume = this->Scene.Source->Volume;
-    const Mf between = this->BetweenVoxels(q, border);
-    if (!hn::AllFalse(Df(), between))
+    this->Voxels.Fill(this->Scene.Volume, q, border);
+    Vf own[LargestNumberOfComponents];
+    ComponentSamples<T>(this->Voxels).FindValues(own);
+    for (int c = 0; c < this->Scene.Volume.Components; ++c)
     {
-      this->Voxels.Fill(this->Scene.Volume, q, between);
-      Vf own[LargestNumberOfComponents];
-      ComponentSamples<T>(this->Voxels).FindValues(own);
-      for (int c = 0; c < volume.Components; ++c)
-      {
-        values[c] = hn::IfThenElse(between, own[c], values[c]);
-      }
-    }
-    const Mf others = hn::AndNot(between, border);
-    for (int c = 0; c < volume.Components && !hn::AllFalse(Df(), others); ++c)
-    {
-      values[c] = this->ValueByReference(GetComponent(volume, c), c, q, others, values[c]);
+      values[c] = hn::IfThenElse(border, own[c], values[c]);
     }
   }
 
   /// Replaces the gradients of the components `wanted`, a bit each, in the lanes of `border`; after
-  /// ComponentValues().
+  /// ComponentValues() of q.
   HWY_NOINLINE void ComponentGradients(
     const Vec3& q, Mf border, unsigned int wanted, Vec3* gradients) const
   {
-    const VolumeView& volume = this->Scene.Source->Volume;
-    const Mf between = this->BetweenVoxels(q, border);
-    if (!hn::AllFalse(Df(), between))
-    {
-      ComponentSamples<T> samples(this->Voxels);
-      Vf values[LargestNumberOfComponents];
-      samples.FindValues(values);
-      Vec3 own[LargestNumberOfComponents];
-      samples.FindGradients(wanted, own);
-      for (int c = 0; c < volume.Components; ++c)
-      {
-        gradients[c] = IsWanted(wanted, c)
-          ? Select(between, AtFaces(this->Scene.Volume, q, own[c]), gradients[c])
-          : gradients[c];
-      }
-    }
-    const Mf others = hn::AndNot(between, border);
-    for (int c = 0; c < volume.Components && !hn::AllFalse(Df(), others); ++c)
+    ComponentSamples<T> samples(this->Voxels);
+    Vf values[LargestNumberOfComponents];
+    samples.FindValues(values);
+    Vec3 own[LargestNumberOfComponents];
+    samples.FindGradients(wanted, own);
+    for (int c = 0; c < this->Scene.Volume.Components; ++c)
     {
       gradients[c] = IsWanted(wanted, c)
-        ? this->GradientByReference(GetComponent(volume, c), c, q, others, gradients[c])
+        ? Select(border, AtFaces(this->Scene.Volume, q, own[c]), gradients[c])
         : gradients[c];
     }
   }
 
-  /// Replaces the values around q of the components `wanted`, a bit each, in the lanes of `border`;
-  /// after ComponentValues(). The last samples are forgotten.
+  /// Replaces the values around the last samples of the components `wanted`, a bit each, in the
+  /// lanes of `border`; after ComponentValues().
   HWY_NOINLINE void ComponentNeighbors(
-    const Vec3& q, Mf border, unsigned int wanted, NeighborValues* neighbors)
+    Mf border, unsigned int wanted, NeighborValues* neighbors) const
   {
-    const Mf between = this->BetweenVoxels(q, border);
-    if (!hn::AllFalse(Df(), between))
-    {
-      ComponentSamples<T> samples(this->Voxels);
-      Vf values[LargestNumberOfComponents];
-      samples.FindValues(values);
-      NeighborValues own[LargestNumberOfComponents];
-      samples.FindNeighbors(wanted, own);
-      ForComponents([&](auto c) {
-        if (IsWanted(wanted, c))
-        {
-          ReplaceNeighbors(between, own[c], neighbors[c]);
-        }
-      });
-    }
-    const Mf others = hn::AndNot(between, border);
-    if (!hn::AllFalse(Df(), others))
-    {
-      this->ForNeighbors(q, [&](const Vec3& at, int a, bool behind) {
-        const Vf zero = hn::Zero(Df());
-        Vf values[LargestNumberOfComponents] = { zero, zero, zero, zero };
-        this->ComponentValues(at, others, values);
-        ForComponents([&](auto c) {
-          if (IsWanted(wanted, c))
-          {
-            Vf& value = behind ? neighbors[c].Behind[a] : neighbors[c].Before[a];
-            value = hn::IfThenElse(others, values[c], value);
-          }
-        });
-      });
-    }
+    ComponentSamples<T> samples(this->Voxels);
+    Vf values[LargestNumberOfComponents];
+    samples.FindValues(values);
+    NeighborValues own[LargestNumberOfComponents];
+    samples.FindNeighbors(wanted, own);
+    ForComponents([&](auto c) {
+      if (IsWanted(wanted, c))
+      {
+        ReplaceNeighbors(border, own[c], neighbors[c]);
+      }
+    });
   }
 
 private:
-  /// Calls take(position, axis, whether it is behind) with the positions that FindDifferences()
-  /// takes differences between.
-  template <class Take>
-  HWY_INLINE void ForNeighbors(const Vec3& q, const Take& take) const
-  {
-    const DifferenceEnds ends = FindEnds(this->Scene.Volume, q);
-    for (int a = 0; a < 3; ++a)
-    {
-      take(ends.Behind[a], a, true);
-      take(ends.Before[a], a, false);
-    }
-  }
-
   static HWY_INLINE void ReplaceNeighbors(
     Mf lanes, const NeighborValues& by, NeighborValues& neighbors)
   {
@@ -236,45 +137,6 @@ private:
     OffsetRows<T> rows;
     rows.Set(this->Voxels.GetView(), this->Voxels.GetOffsets());
     return rows;
-  }
-
-  /// The lanes of `border` whose positions have voxels on both sides along each axis.
-  HWY_INLINE Mf BetweenVoxels(const Vec3& q, Mf border) const
-  {
-    const PacketVolume& v = this->Scene.Volume;
-    if (v.Nearest)
-    {
-      return hn::FirstN(Df(), 0);
-    }
-    const Vf zero = hn::Zero(Df());
-    const auto within = [&](Vf x, int a) {
-      return hn::And(hn::Ge(x, zero), hn::Le(x, Splat(static_cast<float>(v.Dimensions[a] - 1))));
-    };
-    return hn::And(border, hn::And(within(q.x, 0), hn::And(within(q.y, 1), within(q.z, 2))));
-  }
-
-  /// As fetched: relative to the table of a component, see PacketVolume.
-  HWY_NOINLINE Vf ValueByReference(
-    const VolumeView& volume, int component, const Vec3& q, Mf border, Vf value) const
-  {
-    const Vf zero = hn::Zero(Df());
-    const PacketVolume& v = this->Scene.Volume;
-    return ReplaceLanes(border, q, { value, zero, zero }, [&](const glm::dvec3& at) {
-      const double scalar = this->Scene.Reference.Value(volume, at);
-      return glm::dvec3((scalar - v.Shift[component]) * v.Scale[component], 0.0, 0.0);
-    }).x;
-  }
-
-  HWY_NOINLINE Vec3 GradientByReference(
-    VolumeView volume, int component, const Vec3& q, Mf border, const Vec3& gradient) const
-  {
-    // By voxel coordinates; over two voxels and scaled, as fetched: squares of huge or tiny scalars
-    // are no floats.
-    volume.Axes = nullptr;
-    return ReplaceLanes(border, q, gradient, [&](const glm::dvec3& at) {
-      return this->Scene.Reference.Gradient(volume, at) *
-        (2.0 * this->Scene.Volume.Scale[component]);
-    });
   }
 
   const PacketScene& Scene;
@@ -312,10 +174,9 @@ HWY_INLINE void FetchSample(
     to.Voxels.Fit(v, cells, interior);
   }
   to.Value = Sample<T>(to.Voxels, to.At, to.Rows);
-  if (HWY_UNLIKELY(atFaces))
+  if (HWY_UNLIKELY(atFaces && !repeats))
   {
-    to.Value = repeats ? border.ValueBeyond(q, to.AtBorder, to.Value)
-                       : border.Value(q, to.AtBorder, to.Value);
+    to.Value = border.Value(q, to.AtBorder, to.Value);
   }
 }
 
@@ -352,7 +213,7 @@ public:
     this->Samples.FindNeighbors(wanted, neighbors);
     if (HWY_UNLIKELY(!hn::AllFalse(Df(), this->AtBorder)))
     {
-      this->Border.ComponentNeighbors(this->Q, this->AtBorder, wanted, neighbors);
+      this->Border.ComponentNeighbors(this->AtBorder, wanted, neighbors);
     }
   }
 

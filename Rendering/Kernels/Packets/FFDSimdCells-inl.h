@@ -64,7 +64,8 @@ HWY_INLINE Vf CellOf(const PacketVolume& v, Vf x, int a)
   return hn::Floor(Clamp(x, hn::Zero(Df()), Splat(static_cast<float>(v.Dimensions[a] - 2))));
 }
 
-/// Finds the cells that hold positions. `inner`: all positions that count lie between voxels.
+/// Finds the cells that hold positions, for what is beyond the outermost voxels the nearest place
+/// of these. `inner`: all positions that count lie between voxels.
 HWY_INLINE SamplePosition FindCells(
   const PacketVolume& v, const Vec3& q, bool inner, SampleCells& cells)
 {
@@ -82,7 +83,7 @@ HWY_INLINE SamplePosition FindCells(
     }
     const Vf first = CellOf(v, x, a);
     cell = hn::ConvertTo(di, first);
-    part = hn::Sub(x, first);
+    part = Clamp(hn::Sub(x, first), hn::Zero(d), Splat(1.0f));
   };
   locate(q.x, 0, cells.X, at.Fx);
   locate(q.y, 1, cells.Y, at.Fy);

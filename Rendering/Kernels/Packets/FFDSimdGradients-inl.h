@@ -280,9 +280,9 @@ private:
   HWY_NOINLINE Vec3 FindSpecialGradient(NeighborValues of, bool repeating, const PacketCurve& curve,
     const Vec3& q, const Vec3& voxel, Vf s, Mf border, bool ofOpacity, int number)
   {
-    if (HWY_UNLIKELY(!hn::AllFalse(Df(), border)))
+    if (HWY_UNLIKELY(!repeating && !hn::AllFalse(Df(), border)))
     {
-      this->Border.Neighbors(voxel, border, repeating, of);
+      this->Border.Neighbors(border, of);
     }
     const auto findEnds = [&] { return FindEnds(this->Scene.Volume, voxel); };
     this->FindCounted(curve, q, s, findEnds, ofOpacity, number, of);

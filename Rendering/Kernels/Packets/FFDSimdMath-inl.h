@@ -11,7 +11,6 @@
 #include "FFDPacketVolume.h"
 #include "FFDRounding.h"
 
-#include <glm/vec3.hpp>
 #include <hwy/highway.h>
 
 #include <cstddef>
@@ -134,36 +133,6 @@ HWY_INLINE Vec3 Transform(const float m[9], const Vec3& a)
     return hn::MulAdd(Splat(r[0]), a.x, hn::MulAdd(Splat(r[1]), a.y, hn::Mul(Splat(r[2]), a.z)));
   };
   return { row(m), row(m + 3), row(m + 6) };
-}
-
-/**
- * `values`, but for the lanes of `lanes` what function(position of the lane) gives: the few lanes
- * of a packet that have to go through code for single points.
- */
-template <class Function>
-HWY_INLINE Vec3 ReplaceLanes(
-  Mf lanes, const Vec3& positions, const Vec3& values, const Function& function)
-{
-  const Df d;
-  HWY_ALIGN float px[16], py[16], pz[16], x[16], y[16], z[16], flag[16];
-  hn::Store(positions.x, d, px);
-  hn::Store(positions.y, d, py);
-  hn::Store(positions.z, d, pz);
-  hn::Store(values.x, d, x);
-  hn::Store(values.y, d, y);
-  hn::Store(values.z, d, z);
-  hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, flag);
-  for (std::size_t i = 0; i < hn::Lanes(d); ++i)
-  {
-    if (flag[i] != 0.0f)
-    {
-      const glm::dvec3 replacement = function(glm::dvec3(px[i], py[i], pz[i]));
-      x[i] = ToSingle(replacement.x);
-      y[i] = ToSingle(replacement.y);
-      z[i] = ToSingle(replacement.z);
-    }
-  }
-  return { hn::Load(d, x), hn::Load(d, y), hn::Load(d, z) };
 }
 
 #if HWY_TARGET != HWY_SCALAR

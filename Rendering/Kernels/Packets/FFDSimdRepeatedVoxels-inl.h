@@ -39,7 +39,7 @@ public:
   {
   }
 
-  /// `lanes`: positions that lie between voxels of the volume, at least one.
+  /// `lanes`: those of at least one position.
   HWY_NOINLINE void Fill(const PacketVolume& v, const Vec3& q, Mf lanes)
   {
     const Df d;
@@ -50,18 +50,12 @@ public:
     this->View.IncrementY = Side * components;
     this->View.IncrementZ = Side * Side * components;
     this->View.SlicesInReach = 0;
+    SampleCells found;
+    this->At = FindCells(v, q, false, found);
     HWY_ALIGN int cells[3][16];
-    const auto locate = [&](Vf x, int a) {
-      const Vf cell = CellOf(v, x, a);
-      hn::Store(hn::ConvertTo(di, cell), di, cells[a]);
-      return hn::Sub(x, cell);
-    };
-    this->At.Fx = locate(q.x, 0);
-    this->At.Fy = locate(q.y, 1);
-    this->At.Fz = locate(q.z, 2);
-    this->At.Weights = PairWeights(this->At.Fx);
-    this->At.Integers = &v.Integers;
-    this->At.AtVoxels = v.AtVoxels;
+    hn::Store(found.X, di, cells[0]);
+    hn::Store(found.Y, di, cells[1]);
+    hn::Store(found.Z, di, cells[2]);
     HWY_ALIGN float flags[16];
     hn::Store(hn::IfThenElseZero(lanes, Splat(1.0f)), d, flags);
     int block = 0;

@@ -117,7 +117,7 @@ public:
   /// Whether Repeat() can be used: not where a slice may be out of reach, or a line too short.
   static HWY_INLINE bool CanRepeat(const PacketVolume& v)
   {
-    return !v.Nearest && v.SlicesInReach <= 0 && v.Dimensions[0] >= 4;
+    return v.SlicesInReach <= 0 && v.Dimensions[0] >= 4;
   }
 
   /// As OffsetRows::Fit().
@@ -295,17 +295,18 @@ HWY_NOINLINE inline DifferenceEnds FindEnds(const PacketVolume& v, const Vec3& v
   return ends;
 }
 
-/// Rescales gradients from repeated voxels: their differences are over less than two voxels at the
-/// faces of the volume.
+/// Rescales gradients from repeated voxels at q: their differences are over less than two voxels at
+/// the faces of the volume.
 HWY_INLINE Vec3 AtFaces(const PacketVolume& v, const Vec3& q, const Vec3& gradient)
 {
+  const Vec3 middle = FindMiddle(v, q);
   const auto scale = [&](Vf x, int a) {
     const Vf one = Splat(1.0f);
     const Vf after = hn::Min(hn::Add(x, one), Splat(static_cast<float>(v.Dimensions[a] - 1)));
     return hn::Div(Splat(2.0f), hn::Sub(after, hn::Max(hn::Sub(x, one), hn::Zero(Df()))));
   };
-  return { hn::Mul(gradient.x, scale(q.x, 0)), hn::Mul(gradient.y, scale(q.y, 1)),
-    hn::Mul(gradient.z, scale(q.z, 2)) };
+  return { hn::Mul(gradient.x, scale(middle.x, 0)), hn::Mul(gradient.y, scale(middle.y, 1)),
+    hn::Mul(gradient.z, scale(middle.z, 2)) };
 }
 
 /// The gradients, as Gradient() gives them, of what has these values around the samples q, of which
@@ -315,9 +316,8 @@ HWY_INLINE Vec3 GradientOfNeighbors(
 {
   const auto difference = [&](int a) { return hn::Sub(of.Behind[a], of.Before[a]); };
   const Vec3 gradient{ difference(0), difference(1), difference(2) };
-  return HWY_LIKELY(hn::AllFalse(Df(), border))
-    ? gradient
-    : Select(border, AtFaces(v, FindMiddle(v, q), gradient), gradient);
+  return HWY_LIKELY(hn::AllFalse(Df(), border)) ? gradient
+                                                : Select(border, AtFaces(v, q, gradient), gradient);
 }
 
 } // namespace HWY_NAMESPACE

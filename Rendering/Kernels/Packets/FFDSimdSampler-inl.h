@@ -262,10 +262,7 @@ public:
   };
 
   /// Whether windows can be used at faces: no position is beyond the outermost voxels.
-  HWY_INLINE bool CanUseFaces() const
-  {
-    return this->Scene.Lower == 0.0f && !this->Scene.Volume.Nearest;
-  }
+  HWY_INLINE bool CanUseFaces() const { return this->Scene.Lower == 0.0f; }
 
   /// Returns use(fit), the WindowFit of the segment as a constant.
   template <bool AtFaces, class Use>
