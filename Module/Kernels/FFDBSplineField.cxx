@@ -220,7 +220,7 @@ glm::dvec3 BSplineField::Displacement(const glm::dvec3& p, glm::dmat3& jacobian)
 }
 
 //------------------------------------------------------------------------------
-BSplineField ExtendLinearly(const BSplineField& field, int cells)
+BSplineField ExtendLinearly(const BSplineField& field, const glm::ivec3& cells)
 {
   glm::ivec3 size = field.GetNodes();
   std::vector<glm::dvec3> values;
@@ -239,12 +239,12 @@ BSplineField ExtendLinearly(const BSplineField& field, int cells)
   {
     const int last = size[a] - 1;
     std::vector<glm::dvec3> extended;
-    size[a] += 2 * cells;
+    size[a] += 2 * cells[a];
     extended.reserve(GridSize(size));
     const std::size_t line = inner * static_cast<std::size_t>(last + 1);
     for (std::size_t first = 0; first < values.size(); first += line)
     {
-      for (int i = -cells; i <= last + cells; ++i)
+      for (int i = -cells[a]; i <= last + cells[a]; ++i)
       {
         const int node = std::clamp(i, 0, last);
         const double out = std::abs(i - node);
@@ -260,7 +260,7 @@ BSplineField ExtendLinearly(const BSplineField& field, int cells)
     values.swap(extended);
     inner *= static_cast<std::size_t>(size[a]);
   }
-  return BSplineField(size, field.GetOrigin() - static_cast<double>(cells) * field.GetSpacing(),
+  return BSplineField(size, field.GetOrigin() - glm::dvec3(cells) * field.GetSpacing(),
     field.GetSpacing(), values.data());
 }
 

@@ -121,11 +121,11 @@ private:
 };
 
 /**
- * The field of which D goes on linearly beyond the control points, for `cells` >= 0 cells, and is
- * constant from there. `field` has at least 2 control points along each axis; in the cells whose
- * control points are all its own the two are the same.
+ * The field of which D goes on linearly beyond the control points, for `cells` >= 0 cells along
+ * each axis, and is constant from there. `field` has at least 2 control points along each axis; in
+ * the cells whose control points are all its own the two are the same.
  */
-FFD_CORE_EXPORT BSplineField ExtendLinearly(const BSplineField& field, int cells);
+FFD_CORE_EXPORT BSplineField ExtendLinearly(const BSplineField& field, const glm::ivec3& cells);
 
 } // namespace ffd
 

@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "FFDFieldCache.h"
 
+#include "FFDPullBack.h"
+
+#include <glm/common.hpp>
+
 #include <algorithm>
 
 namespace ffd
@@ -20,7 +24,8 @@ bool HasFewControlPoints(const BSplineField& field)
 } // namespace
 
 //------------------------------------------------------------------------------
-PacketField FieldCache::FindPacketField(const BSplineField& field, const Box& rest, int cells)
+PacketField FieldCache::FindPacketField(
+  const BSplineField& field, const Box& rest, const glm::ivec3& cells)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
   if (!this->SecondDerivative)
@@ -38,6 +43,33 @@ PacketField FieldCache::FindPacketField(const BSplineField& field, const Box& re
     this->Cells = cells;
   }
   return this->Packets;
+}
+
+//------------------------------------------------------------------------------
+glm::ivec3 FieldCache::FindProvenCells(const BSplineField& field, const glm::ivec3& wanted)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  if (wanted == this->Wanted)
+  {
+    return this->Proven;
+  }
+  this->Wanted = wanted;
+  this->Proven = glm::ivec3(0);
+  // Where it is not one to one soon, it need not be looked for farther away; more cells gain
+  // little.
+  for (const int most : { 3, 8 })
+  {
+    const glm::ivec3 cells = glm::min(wanted, glm::ivec3(most));
+    const BSplineField extended = ExtendLinearly(field, cells);
+    PullBackBounds bounds;
+    bounds.Update(PullBack(&extended, PullBackKind::Exact, 1.0));
+    if (!bounds.IsProvenInvertible())
+    {
+      break;
+    }
+    this->Proven = cells;
+  }
+  return this->Proven;
 }
 
 //------------------------------------------------------------------------------

@@ -10,6 +10,8 @@
 #include "FFDExport.h"
 #include "Packets/FFDPacketField.h"
 
+#include <glm/vec3.hpp>
+
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -33,7 +35,14 @@ public:
   static constexpr std::size_t FewControlPoints = 8000;
 
   /// PacketField(field, rest, cells), relative to the origin of the data.
-  PacketField FindPacketField(const BSplineField& field, const Box& rest, int cells);
+  PacketField FindPacketField(const BSplineField& field, const Box& rest, const glm::ivec3& cells);
+
+  /**
+   * For how many cells beyond the lattice of a field, at most `wanted`, D may go on linearly so
+   * that T, which is one to one, stays so, by the bounds of the field that does. None where that is
+   * not proven, or takes long.
+   */
+  glm::ivec3 FindProvenCells(const BSplineField& field, const glm::ivec3& wanted);
 
   /// BoxImages(boxes, &field, sign), for a few last grids of boxes.
   std::shared_ptr<const BoxImages> FindBoxImages(
@@ -47,7 +56,9 @@ private:
   mutable std::mutex Mutex;
   PacketField Packets;
   Box Rest;
-  int Cells = 0;
+  glm::ivec3 Cells{ 0 };
+  glm::ivec3 Wanted{ 0 };
+  glm::ivec3 Proven{ 0 };                               ///< FindProvenCells() of Wanted
   std::vector<std::shared_ptr<const BoxImages>> Images; ///< the last one was asked for last
   std::optional<ThirdDerivatives> Third;
   std::optional<double> SecondDerivative;

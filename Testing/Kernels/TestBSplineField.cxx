@@ -162,7 +162,7 @@ TEST(BSplineField, ExtendedLinearly)
   {
     const BSplineField field = random.Field(1.0, AllBorders[run % 3]);
     const int cells = run % 5;
-    const BSplineField extended = ExtendLinearly(field, cells);
+    const BSplineField extended = ExtendLinearly(field, glm::ivec3(cells));
     EXPECT_EQ(extended.GetNodes(), field.GetNodes() + 2 * cells);
     const glm::dvec3 low = field.GetOrigin() + field.GetSpacing();
     const glm::dvec3 high =

@@ -4,9 +4,12 @@
 #include "FFDGridIndex.h"
 #include "RandomLattice.h"
 
+#include <glm/common.hpp>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 using namespace ffd;
@@ -30,7 +33,7 @@ BSplineField MakeField(int nodes)
 /// What a cache is to make of a field that goes on linearly.
 PacketField Extend(const BSplineField& field, const Box& rest)
 {
-  return PacketField(field, rest, 4, PacketField::FindSecondDerivative(field));
+  return PacketField(field, rest, glm::ivec3(4), PacketField::FindSecondDerivative(field));
 }
 
 /// The part of a lattice in which D is known, from the second control point to the last but one.
@@ -48,21 +51,71 @@ TEST(FieldCache, MakesEachFieldOnce)
   Box rest = FindDomain(field);
   FieldCache cache;
   EXPECT_EQ(cache.GetMemorySize(), 0u);
-  const PacketField plain = cache.FindPacketField(field, rest, 0);
+  const PacketField plain = cache.FindPacketField(field, rest, glm::ivec3(0));
   EXPECT_EQ(*plain.Coefficients, *PacketField(field).Coefficients);
-  EXPECT_EQ(cache.FindPacketField(field, rest, 0).Coefficients, plain.Coefficients);
+  EXPECT_EQ(cache.FindPacketField(field, rest, glm::ivec3(0)).Coefficients, plain.Coefficients);
   EXPECT_EQ(cache.GetMemorySize(), plain.GetMemorySize());
 
-  const PacketField extended = cache.FindPacketField(field, rest, 4);
+  const PacketField extended = cache.FindPacketField(field, rest, glm::ivec3(4));
   EXPECT_EQ(*extended.Coefficients, *Extend(field, rest).Coefficients);
   EXPECT_NE(*extended.Coefficients, *plain.Coefficients);
-  EXPECT_EQ(cache.FindPacketField(field, rest, 4).Coefficients, extended.Coefficients);
+  EXPECT_EQ(cache.FindPacketField(field, rest, glm::ivec3(4)).Coefficients, extended.Coefficients);
   EXPECT_EQ(cache.GetMemorySize(), extended.GetMemorySize());
-  EXPECT_EQ(*cache.FindPacketField(field, rest, 0).Coefficients, *plain.Coefficients);
+  EXPECT_EQ(*cache.FindPacketField(field, rest, glm::ivec3(0)).Coefficients, *plain.Coefficients);
 
   // Of a volume that reaches beyond the lattice nothing is extended.
   rest.Max += 5.0 * field.GetSpacing();
-  EXPECT_EQ(*cache.FindPacketField(field, rest, 4).Coefficients, *plain.Coefficients);
+  EXPECT_EQ(*cache.FindPacketField(field, rest, glm::ivec3(4)).Coefficients, *plain.Coefficients);
+}
+
+TEST(FieldCache, FindsHowFarFlatLatticesGoOnLinearly)
+{
+  // A plate that is turned about its normal, more so from one face to the other, as
+  // vtkFFDLatticeSource does, or that is tapered: there T folds beyond it.
+  const auto make = [](bool turns, double strength) {
+    const glm::ivec3 nodes(8);
+    const glm::dvec3 spacing(85.0, 85.0, 3.0);
+    std::vector<glm::dvec3> displacements;
+    for (int k = 0; k < 8; ++k)
+    {
+      for (int j = 0; j < 8; ++j)
+      {
+        for (int i = 0; i < 8; ++i)
+        {
+          const glm::dvec3 p = spacing * (glm::dvec3(i, j, k) - 3.5);
+          const double amount = strength * p.z;
+          displacements.push_back(turns
+              ? glm::dvec3(std::cos(amount) * p.x - std::sin(amount) * p.y - p.x,
+                  std::sin(amount) * p.x + std::cos(amount) * p.y - p.y, 0.0)
+              : glm::dvec3(amount * p.x, amount * p.y, 0.0));
+        }
+      }
+    }
+    return BSplineField(nodes, -3.5 * spacing, spacing, displacements.data());
+  };
+  const glm::ivec3 wanted(1, 1, 22);
+  const BSplineField twist = make(true, 0.004);
+  FieldCache cache;
+  EXPECT_EQ(cache.FindProvenCells(twist, wanted), glm::ivec3(1, 1, 8));
+  EXPECT_EQ(cache.FindProvenCells(twist, wanted), glm::ivec3(1, 1, 8));
+  EXPECT_EQ(cache.FindProvenCells(twist, glm::ivec3(1, 0, 6)), glm::ivec3(1, 0, 6));
+  for (const auto& [strength, proven] :
+    { std::pair(0.01, 8), { 0.03, 3 }, { 0.07, 0 }, { 0.2, 0 } })
+  {
+    const BSplineField taper = make(false, strength);
+    const glm::ivec3 cells = FieldCache().FindProvenCells(taper, wanted);
+    EXPECT_EQ(cells, glm::min(wanted, glm::ivec3(proven))) << strength;
+    const BSplineField extended = ExtendLinearly(taper, cells);
+    RandomLattice random(5);
+    for (int i = 0; i < 5000 && cells.z > 0; ++i)
+    {
+      glm::dmat3 jacobian;
+      extended.Displacement(glm::dvec3(random.Number(-500.0, 500.0), random.Number(-500.0, 500.0),
+                              random.Number(-60.0, 60.0)),
+        jacobian);
+      ASSERT_GT(glm::determinant(glm::dmat3(1.0) + jacobian), 0.0);
+    }
+  }
 }
 
 TEST(FieldCache, KeepsNothingOfFewControlPoints)
@@ -74,7 +127,7 @@ TEST(FieldCache, KeepsNothingOfFewControlPoints)
   // But for a number.
   for (int repeat = 0; repeat < 2; ++repeat)
   {
-    const PacketField extended = cache.FindPacketField(field, rest, 4);
+    const PacketField extended = cache.FindPacketField(field, rest, glm::ivec3(4));
     EXPECT_EQ(*extended.Coefficients, *Extend(field, rest).Coefficients);
     EXPECT_GT(extended.SecondDerivative, 0.0f);
     EXPECT_EQ(extended.SecondDerivative, PacketField(field).SecondDerivative);
@@ -91,13 +144,13 @@ TEST(FieldCache, SetsTheCenterOfACopy)
   const BSplineField field = MakeField(16);
   const Box rest = FindDomain(field);
   FieldCache cache;
-  PacketField moved = cache.FindPacketField(field, rest, 0);
+  PacketField moved = cache.FindPacketField(field, rest, glm::ivec3(0));
   moved.SetCenter(field.GetOrigin());
   for (int a = 0; a < 3; ++a)
   {
     EXPECT_EQ(moved.Origin[a], 0.0f);
-    EXPECT_EQ(
-      cache.FindPacketField(field, rest, 0).Origin[a], static_cast<float>(field.GetOrigin()[a]));
+    EXPECT_EQ(cache.FindPacketField(field, rest, glm::ivec3(0)).Origin[a],
+      static_cast<float>(field.GetOrigin()[a]));
   }
 }
 

@@ -550,7 +550,7 @@ TEST(PullBackBounds, LinearCells)
     {
       continue;
     }
-    const BSplineField extended = ExtendLinearly(field, limits.LinearCells);
+    const BSplineField extended = ExtendLinearly(field, glm::ivec3(limits.LinearCells));
     for (int i = 0; i < 20000; ++i)
     {
       const glm::dvec3 p = random.Point(extended, 4.0);

@@ -711,6 +711,29 @@ class TestPacketLooks(unittest.TestCase):
             if flags == 0x2000:
                 self.assertLess(looks[1], 0.7 * looks[0])
 
+    def test_rays_through_bent_plates(self):
+        # Their lattices have cells far shorter than rays are in front of them and behind.
+        _, mapper, prop, volume = self.make("u1", False)
+        image = vtkImageData()
+        image.SetDimensions(160, 160, 12)
+        z, y, x = numpy.mgrid[0:12, 0:160, 0:160]
+        values = 127 + 100 * numpy.sin(0.4 * x) * numpy.cos(0.5 * y) * numpy.cos(0.4 * z)
+        image.GetPointData().SetScalars(numpy_to_vtk(values.astype("u1").ravel(), deep=True))
+        mapper.SetInputData(image)
+        mapper.CollectStatisticsOn()
+        prop.SetScalarOpacity(points((130.0, 0.0), (190.0, 0.4)))
+        for name, strength, most in (("TWIST", 0.05, 6.0), ("TWIST", 0.2, 12.0), ("TAPER", 0.2, 12.0)):
+            shape = vtkffd.vtkFFDLatticeSource()
+            shape.SetBounds(image.GetBounds())
+            shape.SetDimensions(8, 8, 8)
+            shape.SetShape(getattr(shape, name))
+            shape.SetStrength(strength)
+            shape.Update()
+            mapper.SetDeformation(shape.GetLattice())
+            self.compare(mapper, volume, (name, strength), mean=0.4, tail=10.0)
+            self.picture(mapper, volume, False, pixels=PIXELS_COUNTED)
+            self.assertLess(mapper.GetStatistics().GetEvaluationsPerRay(), most)
+
     def test_extremes_end_where_nothing_beyond_them_shows(self):
         # Dark air in front of it makes a minimum invisible, whatever comes behind.
         scale, mapper, prop, volume = self.make("u1", False)

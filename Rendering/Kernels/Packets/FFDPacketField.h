@@ -59,14 +59,16 @@ public:
 
   /**
    * Takes a copy of a field that is a lattice around `rest`, the volume at rest, outside of which
-   * nobody needs D as it is: D goes on linearly there for `cells` cells, see ExtendLinearly(). So
+   * nobody needs D as it is: D goes on linearly there for `cells`, see ExtendLinearly(). So
    * T^-1 stays smooth along rays that leave the volume, and T one to one if the lattice turns the
    * volume by large angles; it would not with a D that is constant at once. T^-1 is the same
    * wherever it leads into the volume. Of another field it takes a copy as it is.
    * `secondDerivative`: FindSecondDerivative() of the field, which takes longer than the copy.
    */
-  PacketField(const BSplineField& field, const Box& rest, int cells, double secondDerivative)
-    : PacketField(field, cells > 0 && CanExtend(field, rest) ? ExtendLinearly(field, cells) : field,
+  PacketField(
+    const BSplineField& field, const Box& rest, const glm::ivec3& cells, double secondDerivative)
+    : PacketField(field,
+        cells != glm::ivec3(0) && CanExtend(field, rest) ? ExtendLinearly(field, cells) : field,
         secondDerivative)
   {
   }

@@ -30,11 +30,30 @@ constexpr double PartLength = 2.0;
 constexpr double LinearReach = 64.0;
 constexpr int CellsOfUnknown = 4;
 
+/// Where a flat lattice, as of a plate, has cells of which so many make up that reach, more is done
+/// to know for how many.
+constexpr int ShortCells = 6;
+constexpr std::size_t FewControlPoints = 2000;
+
 /// Cells of a field that reach as far along each axis, data units.
-int FindCellsOfReach(const BSplineField& field, double reach)
+glm::ivec3 FindCellsOfReach(const BSplineField& field, double reach)
 {
-  const glm::dvec3 h = glm::abs(field.GetSpacing());
-  return static_cast<int>(std::min(std::ceil(reach / std::min({ h.x, h.y, h.z })), 1e6));
+  return glm::ivec3(glm::min(glm::ceil(reach / glm::abs(field.GetSpacing())), 1e6));
+}
+
+/// For how many cells beyond the lattice, of a T that is one to one, D goes on linearly.
+glm::ivec3 FindLinearCells(const CastScene& scene, FieldCache& cache)
+{
+  const BSplineField& field = *scene.Map->GetField();
+  const glm::ivec3 reach = FindCellsOfReach(field, LinearReach * scene.VoxelSize);
+  const int longest = std::max({ reach.x, reach.y, reach.z });
+  const bool isFlat =
+    longest >= ShortCells && longest > 2 * std::min({ reach.x, reach.y, reach.z });
+  if (isFlat && GridSize(field.GetNodes()) <= FewControlPoints)
+  {
+    return cache.FindProvenCells(field, reach);
+  }
+  return glm::ivec3(std::min(scene.Limits.LinearCells, longest));
 }
 
 /// Tolerance of nodes, as a part of that of positions.
@@ -432,16 +451,13 @@ void SetPullBack(PacketScene& p)
   const Box restBounds = FindBounds(scene.Volume, rest);
   // What goes on linearly may fold where D as it is does not, and lead Newton's method out of the
   // volume: where T is known to be one to one, it must stay so.
-  int cells = 0;
-  if (InvertsTheField(p.Kind))
-  {
-    const double reach = LinearReach * scene.VoxelSize;
-    cells = scene.Limits.OneToOne
-      ? std::min(scene.Limits.LinearCells, FindCellsOfReach(*scene.Map->GetField(), reach))
-      : CellsOfUnknown;
-  }
   FieldCache own;
   FieldCache& cache = scene.KeptOfField ? *scene.KeptOfField : own;
+  glm::ivec3 cells(0);
+  if (InvertsTheField(p.Kind))
+  {
+    cells = scene.Limits.OneToOne ? FindLinearCells(scene, cache) : glm::ivec3(CellsOfUnknown);
+  }
   p.Field = cache.FindPacketField(*scene.Map->GetField(), restBounds, cells);
   p.Field.SetCenter(p.Center);
   if (InvertsTheField(p.Kind))
