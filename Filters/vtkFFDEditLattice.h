@@ -110,8 +110,8 @@ public:
 
   ///@{
   /**
-   * Border mode of the lattice: VTK_BSPLINE_EDGE (default), _ZERO, _ZERO_AT_BORDER. Not used with
-   * a lattice of the input.
+   * Border mode of the lattice: VTK_BSPLINE_EDGE, _ZERO, _ZERO_AT_BORDER. Not used with a lattice
+   * of the input. Default: VTK_BSPLINE_EDGE.
    */
   vtkSetClampMacro(BorderMode, int, 0, 2);
   vtkGetMacro(BorderMode, int);

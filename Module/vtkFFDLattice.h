@@ -245,7 +245,9 @@ public:
 
   ///@{
   /**
-   * As in the superclasses, but not finite values are refused; the tolerance must be positive.
+   * As in the superclasses: the factor on the deformation as a whole, and the largest error of the
+   * inverse in data units. Not finite values are refused; the tolerance must be positive. Defaults:
+   * 1 and 1e-6.
    */
   void SetDisplacementScale(double scale) override;
   void SetInverseTolerance(double tolerance) override;

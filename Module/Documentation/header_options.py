@@ -10,7 +10,7 @@ GROUP = re.compile(r"(?:/\*\*(?P<block>.*?)\*/|///(?![@<]) ?(?P<line>[^\n]*)\n)"
 ENUM = re.compile(r"enum (\w+)\s*\{(.*?)\}", re.S)
 DEFAULT = re.compile(r"\b[Dd]efaults?:? +([^;)]*?)(?=\.(?:\s|$)|[;)]|$)")
 SET_MACRO = re.compile(r"vtkSet(\w*?)Macro\((\w+)(?:,\s*([^()]*(?:\([^()]*\))?[^()]*))?\)")
-SETTER = re.compile(r"^ *(?:virtual )?void Set(\w+)\(([^)]*)\)", re.M)
+SETTER = re.compile(r"^ *(?:virtual )?void Set(\w+)\(([^)]*)\)( override)?", re.M)
 
 
 def public_part(header_text):
@@ -50,7 +50,7 @@ def values_of(name, macro, arguments, code, enums):
             if words[1] in names and words[2] in names:
                 chosen = names[names.index(words[1]):names.index(words[2]) + 1]
                 return ", ".join("`%s`" % word for word in chosen)
-        return "%s to %s" % (words[1], words[2])
+        return "%s or more" % words[1] if words[2].endswith("_MAX") else "%s to %s" % (words[1], words[2])
     for enum, names in enums.items():
         if enum.rstrip("s") == name or enum == name + "Type":
             return ", ".join("`%s`" % word for word in names)
@@ -107,10 +107,11 @@ def options_of(code, enums, getters):
         macro, name, arguments = match.groups()
         found.setdefault(name, (match.start(), values_of(name, macro, arguments, code, enums)))
     for match in SETTER.finditer(code):
-        name, parameters = match.groups()
-        chooses = "To" in name and re.sub(r"To\w+$", "", name) in getters
+        name, parameters, override = match.groups()
         one_of_many = re.match(r"int (i|index)\b", parameters)
-        if name in getters and not chooses and not one_of_many:
+        # The getter of a number that the superclass has, too, is there.
+        inherited = override and re.match(r"double \w+$", parameters)
+        if (name in getters or inherited) and not one_of_many:
             values = values_of(name, "", "", code, enums) or type_in_words(parameters)
             found.setdefault(name, (match.start(), values))
     return [(name, values) for name, (_, values) in sorted(found.items(), key=lambda row: row[1][0])]
@@ -118,7 +119,7 @@ def options_of(code, enums, getters):
 
 def groups_of_options(header_text):
     """(names, values, defaults, meaning) of each documented group of options, in their order: an
-    option has a setter and a getter."""
+    option has a setter and a getter, the latter maybe in VTK's superclass."""
     text = public_part(header_text)
     enums = {name: enumerators(body) for name, body in ENUM.findall(text)}
     getters = set(re.findall(r"vtkGet\w*Macro\((\w+)", text)) | set(re.findall(r"\bGet(\w+)\(", text))
@@ -136,7 +137,9 @@ def groups_of_options(header_text):
         documented = [words.split(" (")[0] for part in DEFAULT.findall(comment)
                       for words in re.split(r", | and ", part) if not part.startswith("(")]
         defaults = [initial_value(name, header_text) for name, _ in found]
-        in_words = len(found) == 1 and documented and " " in documented[0]
+        # Prose, or the name of an enumerator of another class.
+        in_words = len(found) == 1 and documented and (
+            " " in documented[0] or re.fullmatch(r"[A-Z][A-Z_]+", ", ".join(documented)))
         if None in defaults or in_words:
             if len(found) == 1 and documented:
                 defaults = [", ".join(documented)]

@@ -463,15 +463,27 @@ public:
 
   ///@{
   /**
-   * Sizes on screen in pixels, whatever the distance: HandleSize of the superclass is the diameter
-   * of a control point (default 9; nine tenths of it in a lattice of more than 150, three quarters
-   * of more than 400, so that they do not cover the volume), TransformHandleSize the length of an
-   * arm of the handle (default 80, 10 to 1000), PickTolerance how far from its middle a point is
-   * hit (default 8, 1 to 100). HandleSize is from 0.001 to 1000, PlaceFactor from 0.01. Clamped;
-   * NaN is refused.
+   * Diameter of a control point on screen in pixels, whatever the distance, 0.001 to 1000: nine
+   * tenths of it in a lattice of more than 150, three quarters of more than 400, so that they do
+   * not cover the volume. Clamped; NaN is refused. Default: 9.
    */
   void SetHandleSize(double size) override;
+  ///@}
+
+  ///@{
+  /**
+   * Factor by which PlaceWidget() enlarges its bounds, at least 0.01. Clamped; NaN is refused.
+   * Default: 1.
+   */
   void SetPlaceFactor(double factor) override;
+  ///@}
+
+  ///@{
+  /**
+   * Sizes on screen in pixels, whatever the distance: TransformHandleSize is the length of an arm
+   * of the handle (10 to 1000), PickTolerance how far from its middle a point is hit (1 to 100).
+   * Clamped; NaN is refused. Defaults: 80 and 8.
+   */
   void SetTransformHandleSize(double size);
   vtkGetMacro(TransformHandleSize, double);
   void SetPickTolerance(double tolerance);

@@ -21,11 +21,15 @@ import vtkffd
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(SOURCE / "Module" / "Documentation"))
+import build_site  # noqa: E402 # pylint: disable=wrong-import-position
 import header_options  # noqa: E402 # pylint: disable=wrong-import-position
 
 GETTER = re.compile(r"vtkGet(?:Vector\d)?Macro\((\w+)")
 # "Default: 0.1.", "Defaults: 1 and 10.", "default 0.05", "Default FREE, the plane of the view"
 DEFAULT = re.compile(r"\b[Dd]efaults?:? +([-\w./]+(?:(?:, | and )[-\w./]+)*)")
+# Setters with a getter that are no options: parts of what a class holds, and what belongs to VTK.
+NO_OPTIONS = {"ControlPoint", "Displacement", "Displacements", "SelectedPoints",
+              "AbortExecute", "Enabled", "Interactor", "Representation"}
 WORDS = {"on": 1, "off": 0, "none": None, "null": None}
 
 
@@ -112,6 +116,20 @@ class TestTablesOfOptions(unittest.TestCase):
                         self.assertEqual(got, wanted * (len(got) // len(wanted)), value)
                         compared += 1
         self.assertGreater(compared, 150)
+
+    def test_no_option_is_missing(self):
+        """A setter with a getter, be it that of the superclass, has a row."""
+        for name, header in sorted(build_site.public_headers(SOURCE).items()):
+            text = header.read_text(encoding="utf-8")
+            cls = getattr(vtkffd, name)
+            rows = {option for names, *_ in header_options.groups_of_options(text)
+                    for option in names}
+            declared = header_options.public_part(text)
+            options = set(re.findall(r"\bSet(\w+)\([^)]", declared))
+            options.update(re.findall(r"\bvtkSet\w*Macro\((\w+)", declared))
+            getters = {option for option in options if hasattr(cls, "Get" + option)}
+            with self.subTest(cls=name):
+                self.assertEqual(getters - rows - NO_OPTIONS, set())
 
     def test_rows(self):
         """Options in the order of the comment's defaults, and all of what they may be."""
