@@ -53,11 +53,11 @@
  *
  * After each edit the clipping range of the camera is looked after: it stays as it is, bit for bit,
  * while it holds all visible props (vtkRenderer::ComputeVisiblePropBounds()) and is no wider than
- * twice what vtkRenderer::ResetCameraClippingRange() would give. Volume mappers count their
- * samples, or the pieces of their rays, from the near plane: if it moved with every step of a drag,
- * so would the samples of the whole picture. When the range must change it is reset with room for
- * the next steps, a quarter of the depth of the scene at least before and behind it, as far as the
- * renderer's NearClippingPlaneTolerance allows.
+ * twice what vtkRenderer::ResetCameraClippingRange() would give. While it does, the mapper casts
+ * only those parts of the picture anew that see the edit (FrameCoherence); another range makes the
+ * whole picture. When the range must change it is reset with room for the next steps, a quarter of
+ * the depth of the scene at least before and behind it, as far as the renderer's
+ * NearClippingPlaneTolerance allows.
  *
  * @sa vtkFFDLatticeRepresentation vtkFFDLattice
  */

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Copyright (c) vtkFFD authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The clipping range during drags: the same to the bit while it holds what is seen, since the
-// mapper counts its samples from the near plane; never one that cuts the volume or the lattice.
+// mapper makes the whole picture after a change; never one that cuts the volume or the lattice.
 #include "FFDTestVolume.h"
 #include "FFDTestWidget.h"
 
