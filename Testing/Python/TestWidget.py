@@ -9,7 +9,7 @@ import unittest
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtkIdTypeArray, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkIdTypeArray
+from vtkmodules.vtkCommonCore import vtkIdTypeArray, vtkUnsignedCharArray
 from vtkmodules.vtkCommonTransforms import vtkTransform
 from vtkmodules.vtkInteractionStyle import vtkInteractorStyleTrackballCamera
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow, vtkRenderWindowInteractor
@@ -83,12 +83,25 @@ class TestRepresentation(unittest.TestCase):
         window.AddRenderer(renderer)
         renderer.AddViewProp(self.rep)
         renderer.ResetCamera(0, 30, 0, 30, 0, 30)
+
+        def picture():
+            window.Render()
+            pixels = vtkUnsignedCharArray()
+            window.GetPixelData(0, 0, 59, 59, 0, pixels, 0)
+            return vtk_to_numpy(pixels).astype(int)
+
+        selected, cleared = [], []
         for known in (None, renderer, None):
             self.rep.SetRenderer(known)
             self.rep.SelectPoint(2, 2, 2)
-            window.Render()
+            selected.append(picture())
             self.rep.ClearSelection()
-            window.Render()
+            cleared.append(picture())
+        changed = [numpy.count_nonzero(a != b) for a, b in zip(selected, cleared, strict=True)]
+        self.assertGreater(changed[0], 0)
+        self.assertGreater(changed[1], changed[0])  # the handle takes the renderer
+        self.assertGreater(changed[1], changed[2])
+        numpy.testing.assert_array_equal(cleared[2], cleared[1])
 
     def test_direct_manipulation(self):
         rep = self.rep
