@@ -27,7 +27,6 @@
 #include "vtkUnsignedShortArray.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -47,7 +47,6 @@
 #include "vtkFFDIOModule.h" // For export macro
 #include "vtkImageAlgorithm.h"
 #include "vtkSmartPointer.h" // for vtkSmartPointer
-#include "vtkTimeStamp.h"    // for vtkTimeStamp
 
 #include <string> // for std::string
 #include <vector> // for std::vector

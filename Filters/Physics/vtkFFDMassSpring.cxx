@@ -40,7 +40,6 @@ public:
   bool Valid = false;
   vtkMTimeType LatticeTime = 0;
   vtkIdType Handle = -1;
-  bool HandleWasPinned = false;
   long long Steps = 0;
   int Offset = 0; // of the solver's nodes in the lattice's indices
   std::vector<char> KeptPins;

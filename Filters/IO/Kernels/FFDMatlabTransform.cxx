@@ -4,7 +4,6 @@
 #include "FFDItkTransform.h"
 
 #include "FFDBinaryNumbers.h"
-#include "FFDTextNumbers.h"
 
 namespace ffd
 {

@@ -65,9 +65,6 @@ struct TransformStep
 /// Most steps of a chain, those of its sums counted.
 constexpr std::size_t LargestChain = 64;
 
-/// Nodes of a grid.
-FFD_IO_EXPORT std::size_t CountNodes(const glm::ivec3& size);
-
 /// Empty when the grid is usable (sizes from `smallest` to 1024), else what is wrong with it.
 FFD_IO_EXPORT std::string FindGridProblem(const TransformGrid& grid, int smallest);
 

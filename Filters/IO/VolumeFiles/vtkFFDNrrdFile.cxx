@@ -20,7 +20,6 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>

@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 #include <Eigen/Sparse>
 
-#include <algorithm>
 #include <cmath>
 
 namespace ffd

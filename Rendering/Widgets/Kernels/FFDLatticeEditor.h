@@ -118,11 +118,6 @@ public:
   /// Prepares to move a set of points and, by the options, others with them. `leader`: the point
   /// whose side leads a symmetric edit; None: the first of the set.
   void GrabPoints(const PointSet& points, std::ptrdiff_t leader);
-  /// Position of a grabbed point at the beginning of the drag.
-  const glm::dvec3& GetStartPosition(std::size_t point) const
-  {
-    return this->StartPositions[point];
-  }
   /// Follows changed options of proportional editing.
   void UpdateWeights();
 

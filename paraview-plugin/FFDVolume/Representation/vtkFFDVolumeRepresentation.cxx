@@ -35,7 +35,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -744,12 +743,4 @@ double* vtkFFDVolumeRepresentation::GetPicked() { return this->Internals->Picked
 void vtkFFDVolumeRepresentation::SetPicked(const double picked[8])
 {
   std::copy_n(picked, 8, this->Internals->Picked.Numbers.begin());
-}
-
-//------------------------------------------------------------------------------
-vtkTypeInt64 vtkFFDVolumeRepresentation::GetNumberOfLocalVoxels()
-{
-  const std::vector<vtkImageData*> images = GetImages(this->Cache);
-  return std::accumulate(images.begin(), images.end(), vtkTypeInt64(0),
-    [](vtkTypeInt64 sum, vtkImageData* image) { return sum + image->GetNumberOfPoints(); });
 }

@@ -44,7 +44,6 @@
 
 #include "vtkFFDParaViewModule.h" // For export macro
 #include "vtkImageVolumeRepresentation.h"
-#include "vtkNew.h" // for vtkNew
 
 #include <array>   // for std::array
 #include <cstddef> // for std::size_t
@@ -199,12 +198,6 @@ public:
    */
   static vtkFFDVolumeRepresentation* FindShownBy(
     vtkAlgorithm* input, const double from[3], const double to[3]);
-
-  /**
-   * Voxels of the image that this process holds for rendering; what the parallel partition is
-   * measured by.
-   */
-  vtkTypeInt64 GetNumberOfLocalVoxels();
 
 protected:
   vtkFFDVolumeRepresentation();
