@@ -112,8 +112,7 @@ bool vtkFFDFrameCache::UpdateBounds(Mapper* mapper, ffd::StageTools& tools)
 //------------------------------------------------------------------------------
 bool vtkFFDFrameCache::UpdateProbe(Mapper* mapper, ffd::StageTools& tools)
 {
-  return this->UpdateBounds(mapper, tools) &&
-    this->FindMask(mapper, mapper->GetInput(), tools.Message) &&
+  return this->UpdateBounds(mapper, tools) && this->FindMask(mapper, tools.Message) &&
     ffd::MakeCropping(mapper, mapper->GetInput(), this->GetVolume(),
       mapper->GetCroppingSpace() == Mapper::DEFORMED, this->Crop, tools.Message);
 }
@@ -124,7 +123,10 @@ bool vtkFFDFrameCache::Update(
 {
   const vtkSmartPointer<vtkVolumeProperty> property(replaceable);
   const vtkSmartPointer<vtkDataSet> input(mapper->GetInput());
-  if (!this->UpdateBounds(mapper, tools) || !this->FindMask(mapper, input, tools.Message) ||
+  const bool planes = property->GetTransferFunctionMode() == vtkVolumeProperty::TF_2D;
+  if (!this->UpdateBounds(mapper, tools) || !this->FindMask(mapper, tools.Message) ||
+    !this->FindSecondAxis(
+      planes ? mapper->GetTransfer2DYAxisArray() : nullptr, input, tools.Message) ||
     !this->UpdateBlocks(mapper, property, tools))
   {
     return false;
@@ -259,8 +261,7 @@ bool vtkFFDFrameCache::UpdatePullBack(Mapper* mapper, vtkDataSet* input, ffd::St
 }
 
 //------------------------------------------------------------------------------
-/// The mask, and the second axis of two-dimensional transfer functions.
-bool vtkFFDFrameCache::FindMask(Mapper* mapper, vtkDataSet* input, std::string& message)
+bool vtkFFDFrameCache::FindMask(Mapper* mapper, std::string& message)
 {
   const ffd::VolumeView& volume = this->GetVolume();
   this->Mask = ffd::MaskView();
@@ -286,9 +287,17 @@ bool vtkFFDFrameCache::FindMask(Mapper* mapper, vtkDataSet* input, std::string& 
     this->Arrays.push_back(this->MaskArray);
     this->Mask.SameGrid = this->Mask.Volume.Dimensions == volume.Dimensions;
   }
+  return true;
+}
+
+//------------------------------------------------------------------------------
+/// That of two-dimensional transfer functions; `name` is null where it is the gradient, or the
+/// functions have one dimension.
+bool vtkFFDFrameCache::FindSecondAxis(const char* name, vtkDataSet* input, std::string& message)
+{
   this->SecondAxis = ffd::VolumeView();
   this->SecondAxisArray = nullptr;
-  if (const char* name = mapper->GetTransfer2DYAxisArray())
+  if (name)
   {
     const bool ofCells = this->Voxels->OfCells;
     vtkDataArray* array =

@@ -109,7 +109,8 @@ public:
 private:
   bool UpdateVoxels(Mapper* mapper, vtkDataSet* input, ffd::StageTools& tools);
   bool UpdatePullBack(Mapper* mapper, vtkDataSet* input, ffd::StageTools& tools);
-  bool FindMask(Mapper* mapper, vtkDataSet* input, std::string& message);
+  bool FindMask(Mapper* mapper, std::string& message);
+  bool FindSecondAxis(const char* name, vtkDataSet* input, std::string& message);
   bool UpdateBlocks(Mapper* mapper, vtkVolumeProperty* property, ffd::StageTools& tools);
   void UpdateMaskBlocks(ffd::StageTools& tools);
 

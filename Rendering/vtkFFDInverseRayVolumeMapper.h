@@ -642,8 +642,8 @@ public:
   /**
    * Name of the array, of the points or cells that the scalars belong to, that is the second axis
    * of two-dimensional transfer functions (vtkVolumeProperty::SetTransferFunction2D()); they span
-   * the range of its first component. Default: none, which means the magnitude of the gradient, up
-   * to a quarter of the range of the scalars.
+   * the range of its first component; not used with functions of one dimension. Default: none,
+   * which means the magnitude of the gradient, up to a quarter of the range of the scalars.
    */
   vtkSetStringMacro(Transfer2DYAxisArray);
   vtkGetStringMacro(Transfer2DYAxisArray);

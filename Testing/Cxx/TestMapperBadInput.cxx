@@ -290,7 +290,11 @@ bool TestSettingsOfOthers()
   ok &= Refuses(
     scene, "second axis", "\"nowhere\"", [&] { scene.Mapper->SetTransfer2DYAxisArray("nowhere"); },
     [&] { scene.Mapper->SetTransfer2DYAxisArray(nullptr); });
+  // Functions of one dimension have no second axis.
   scene.Property->SetTransferFunctionMode(vtkVolumeProperty::TF_1D);
+  scene.Mapper->SetTransfer2DYAxisArray("nowhere");
+  ok &= FFDLargestAlpha(scene.Render()) > 9 && scene.Errors->Count == 0;
+  scene.Mapper->SetTransfer2DYAxisArray(nullptr);
   ok &= Refuses(
     scene, "mask of three components", "MaskInput",
     [&] { scene.Mapper->SetMaskInput(Image<vtkImageData>(8, 8, 8, VTK_UNSIGNED_CHAR, 3)); },

@@ -251,14 +251,15 @@ CLASSES = {
             SetScalarModeToDefault SetScalarModeToUsePointData SetSegmentationToErrorBound
             SetStillFrameCoherence StillFrameCoherenceOff StillFrameCoherenceOn
             SetSharedDepthTexture SetSpaceLeaping SetSpaceLeapingToLipschitz
-            SetSpaceLeapingToOff SetSpaceLeapingToSegment SetUseDepthPass SetVectorComponent
+            SetSpaceLeapingToOff SetSpaceLeapingToSegment SetTransfer2DYAxisArray SetUseDepthPass
+            SetVectorComponent
             SetVectorModeToMagnitude SetVolumetricScatteringBlending UseDepthPassOff
             UseDepthPassOn UseJitteringOff""",
         "B": """
             SetInverseTolerance""",
         "TD": """
             SetColorRangeType SetGradientOpacityRangeType SetScalarOpacityRangeType
-            SetTransfer2DYAxisArray SetWholeScalarRange""",
+            SetWholeScalarRange""",
         "picture": """
             ComputeNormalFromOpacityOn PremultipliedAlphaOn ReferenceKernelsOn
             RemoveAllClippingPlanes RemoveAllInputConnections RemoveAllInputs RemoveClipBox
