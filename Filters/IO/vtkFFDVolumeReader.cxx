@@ -17,6 +17,7 @@
 #include "vtkExecutive.h"
 #include "vtkImageData.h"
 #include "vtkImageReader2.h"
+#include "vtkImageReader2Collection.h"
 #include "vtkImageReader2Factory.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -41,6 +42,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 vtkStandardNewMacro(vtkFFDVolumeReader);
 
@@ -70,7 +72,7 @@ public:
 };
 
 /// Lets VTK's objects tell of errors, by events, where a program has turned that off for itself by
-/// vtkObject::GlobalWarningDisplayOff(). What the executive of the reader adds is not printed then.
+/// vtkObject::GlobalWarningDisplayOff(). What the executive of the reader adds is not printed.
 /// Several threads may read.
 class ErrorsTold
 {
@@ -85,11 +87,8 @@ public:
       state.TurnedOn = !vtkObject::GetGlobalWarningDisplay();
       vtkObject::GlobalWarningDisplayOn();
     }
-    if (state.TurnedOn)
-    {
-      vtkNew<vtkCallbackCommand> ignore;
-      this->Tag = this->Executive->AddObserver(vtkCommand::ErrorEvent, ignore);
-    }
+    vtkNew<vtkCallbackCommand> ignore;
+    this->Tag = this->Executive->AddObserver(vtkCommand::ErrorEvent, ignore);
   }
   ~ErrorsTold()
   {
@@ -121,14 +120,39 @@ private:
   unsigned long Tag = 0;
 };
 
+/// The reader that vtkImageReader2Factory finds, or null. What the others say of the file, that it
+/// is none of theirs, is not printed. They are the factory's own, for one thread at a time.
+vtkSmartPointer<vtkImageReader2> FindReader(const std::string& path)
+{
+  static std::mutex mutex;
+  const std::lock_guard<std::mutex> lock(mutex);
+  vtkNew<vtkImageReader2Collection> asked;
+  vtkImageReader2Factory::GetRegisteredReaders(asked);
+  std::vector<std::pair<vtkImageReader2*, unsigned long>> observed;
+  vtkNew<vtkCallbackCommand> ignore;
+  vtkCollectionSimpleIterator at;
+  asked->InitTraversal(at);
+  while (vtkImageReader2* reader = asked->GetNextImageReader2(at))
+  {
+    for (const unsigned long event : { vtkCommand::ErrorEvent, vtkCommand::WarningEvent })
+    {
+      observed.emplace_back(reader, reader->AddObserver(event, ignore));
+    }
+  }
+  vtkSmartPointer<vtkImageReader2> found;
+  found.TakeReference(vtkImageReader2Factory::CreateImageReader2(path.c_str()));
+  for (const auto& [reader, tag] : observed)
+  {
+    reader->RemoveObserver(tag);
+  }
+  return found;
+}
+
 /// A file of MetaImage, or of another format that vtkImageReader2Factory knows; else null.
 std::unique_ptr<vtkFFDVolumeFile> OpenByFactory(const std::string& path, vtkCommand* errors)
 {
-  vtkSmartPointer<vtkImageReader2> found;
-  if (!vtkFFDMetaImageFile::BeginsWithLongWord(path))
-  {
-    found.TakeReference(vtkImageReader2Factory::CreateImageReader2(path.c_str()));
-  }
+  const vtkSmartPointer<vtkImageReader2> found =
+    vtkFFDMetaImageFile::BeginsWithLongWord(path) ? nullptr : FindReader(path);
   if (!found)
   {
     return nullptr;

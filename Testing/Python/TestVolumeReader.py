@@ -18,7 +18,7 @@ import zlib
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkObject
+from vtkmodules.vtkCommonCore import vtkObject, vtkOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData
 from vtkmodules.vtkIOImage import vtkNIFTIImageWriter
 from vtkmodules.vtkIOLegacy import vtkStructuredPointsWriter
@@ -153,6 +153,23 @@ class TestVolumeReader(unittest.TestCase):
              "print(*reader.GetOutput().GetDimensions(), reader.GetProblem())", path],
             capture_output=True, text=True, check=True)
         self.assertEqual(result.stdout.split(), [str(n) for n in files.SIZE], result.stderr)
+
+    def test_what_is_no_volume(self):
+        """CanReadFile() prints nothing, also not what VTK's readers say of files of others."""
+        heard = []
+        window = vtkOutputWindow.GetInstance()
+        tags = [window.AddObserver(event, lambda *_: heard.append(event))
+                for event in ("ErrorEvent", "WarningEvent")]
+        reader = vtkffd.vtkFFDVolumeReader()
+        for ending in ("tga", "txt", "vti", "vtk", "mhd", "nii", "nrrd", "png", "dcm"):
+            path = os.path.join(WORK, "other." + ending)
+            for content in (b"", b"A text that is no volume, whatever its name says. " * 20):
+                with open(path, "wb") as file:
+                    file.write(content)
+                self.assertEqual(reader.CanReadFile(path), 0, path)
+        for tag in tags:
+            window.RemoveObserver(tag)
+        self.assertEqual(heard, [])
 
     def test_metaimage(self):
         self.check_places("turned.mha")
