@@ -28,6 +28,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -76,6 +78,171 @@ bool FindDomain(double bounds[6])
     bounds[2 * a + 1] = box.Max[a];
   }
   return true;
+}
+
+/// What may be given to be fitted; exactly one of landmarks, image and transform is to be.
+struct FitInput
+{
+  vtkPoints* Source;
+  vtkPoints* Target;
+  vtkDataArray* Weights; ///< of the landmarks, or null
+  vtkImageData* Field;
+  vtkAbstractTransform* Transform;
+
+  bool HasLandmarks() const { return this->Source || this->Target; }
+  const char* GetName() const
+  {
+    return this->HasLandmarks() ? "landmarks" : this->Field ? "displacements" : "transform";
+  }
+};
+
+std::string FindLandmarkProblem(const FitInput& input)
+{
+  if (!input.Source || !input.Target ||
+    input.Source->GetNumberOfPoints() != input.Target->GetNumberOfPoints() ||
+    input.Source->GetNumberOfPoints() < 1)
+  {
+    return "There are not as many source as target landmarks, or none. Set both";
+  }
+  if (!input.Weights)
+  {
+    return std::string();
+  }
+  const vtkIdType count = input.Weights->GetNumberOfTuples();
+  if (input.Weights->GetNumberOfComponents() != 1 || count != input.Source->GetNumberOfPoints())
+  {
+    return "There is not one weight per pair of landmarks. Set as many";
+  }
+  for (vtkIdType i = 0; i < count; ++i)
+  {
+    const double weight = input.Weights->GetComponent(i, 0);
+    if (!(weight > 0.0) || !std::isfinite(weight))
+    {
+      std::ostringstream text;
+      text << "The weight of landmark " << i << " is " << weight << ". Give positive weights";
+      return text.str();
+    }
+  }
+  return std::string();
+}
+
+std::string FindFieldProblem(vtkImageData* field)
+{
+  vtkDataArray* const scalars = field->GetPointData()->GetScalars();
+  if (!scalars || scalars->GetNumberOfComponents() != 3 || field->GetNumberOfPoints() < 1 ||
+    scalars->GetNumberOfTuples() != field->GetNumberOfPoints())
+  {
+    return "The image at the input has no point scalars with 3 components, the displacements";
+  }
+  if (!field->GetDirectionMatrix()->IsIdentity())
+  {
+    return "The image of displacements has a direction matrix. Set a vtkGridTransform in its "
+           "frame as Transform instead";
+  }
+  return std::string();
+}
+
+/// The box of the landmarks, which are there, with a margin.
+void FindLandmarkBounds(const FitInput& input, double bounds[6])
+{
+  vtkBoundingBox box;
+  for (vtkPoints* points : { input.Source, input.Target })
+  {
+    for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i)
+    {
+      double point[3];
+      points->GetPoint(i, point);
+      box.AddPoint(point);
+    }
+  }
+  box.Inflate(LandmarkMargin * box.GetMaxLength());
+  if (box.GetMaxLength() <= 0.0)
+  {
+    box.Inflate(0.5);
+  }
+  box.GetBounds(bounds);
+}
+
+/// What is wrong with the input or `bounds`, else empty: these are then the domain of the lattice,
+/// of the input where they were none.
+std::string FindFitProblem(const FitInput& input, double bounds[6])
+{
+  const bool landmarks = input.HasLandmarks();
+  const int given = (input.Field ? 1 : 0) + (landmarks ? 1 : 0) + (input.Transform ? 1 : 0);
+  if (given != 1)
+  {
+    return given == 0
+      ? "There is nothing to fit. Set landmarks, a transform, or an image of displacements"
+      : "There is more than one thing to fit. Set landmarks, a transform or an image, and null for "
+        "the others";
+  }
+  const bool chosen = bounds[0] <= bounds[1];
+  if (input.Transform && !chosen)
+  {
+    return "A transform has no bounds of its own. Call SetBounds() with those of the data";
+  }
+  const std::string problem = landmarks ? FindLandmarkProblem(input)
+    : input.Field                       ? FindFieldProblem(input.Field)
+                                        : std::string();
+  if (!problem.empty())
+  {
+    return problem;
+  }
+  if (!chosen && landmarks)
+  {
+    FindLandmarkBounds(input, bounds);
+  }
+  else if (!chosen)
+  {
+    input.Field->GetBounds(bounds);
+  }
+  if (!FindDomain(bounds))
+  {
+    return chosen
+      ? "The bounds are not usable. Call SetBounds() with minima below maxima, at least on one axis"
+      : "The data to fit have no bounds that a lattice can have: they are a single point, too "
+        "small or too large, or not finite. Call SetBounds()";
+  }
+  return std::string();
+}
+
+ffd::FitStatus FitLandmarks(
+  const FitInput& input, double smoothness, const ffd::FitLimits& limits, ffd::FittedNet& fit)
+{
+  const std::vector<glm::dvec3> from = CopyPoints(input.Source);
+  std::vector<glm::dvec3> displacements = CopyPoints(input.Target);
+  std::vector<double> weights;
+  for (std::size_t i = 0; i < from.size(); ++i)
+  {
+    displacements[i] -= from[i];
+    if (input.Weights)
+    {
+      weights.push_back(input.Weights->GetComponent(static_cast<vtkIdType>(i), 0));
+    }
+  }
+  return ffd::FitNetToPoints(from, displacements, weights, smoothness, limits, fit);
+}
+
+ffd::FitStatus FitField(vtkImageData* field, const ffd::FitLimits& limits, ffd::FittedNet& fit)
+{
+  int extent[6];
+  glm::dvec3 spacing;
+  glm::dvec3 first;
+  field->GetExtent(extent);
+  field->GetSpacing(&spacing.x);
+  field->GetOrigin(&first.x);
+  glm::ivec3 count;
+  for (int a = 0; a < 3; ++a)
+  {
+    count[a] = extent[2 * a + 1] - extent[2 * a] + 1;
+    first[a] += extent[2 * a] * spacing[a];
+  }
+  vtkFFDRequireMemory(BytesPerSample * static_cast<double>(field->GetNumberOfPoints()),
+    "The fit to " + std::to_string(field->GetNumberOfPoints()) + " displacements",
+    "Use a coarser image.");
+  const std::vector<glm::dvec3> displacements =
+    vtkFFDCopyTuples(field->GetPointData()->GetScalars());
+  return ffd::FitNetToGrid(count, first, spacing, displacements, limits, fit);
 }
 
 } // namespace
@@ -329,88 +496,16 @@ int vtkFFDFitLattice::RequestData(
 //------------------------------------------------------------------------------
 void vtkFFDFitLattice::Fit(vtkImageData* field)
 {
-  const bool landmarks = this->SourceLandmarks || this->TargetLandmarks;
-  const int given = (field ? 1 : 0) + (landmarks ? 1 : 0) + (this->Transform ? 1 : 0);
-  std::string problem;
+  const FitInput input{ this->SourceLandmarks, this->TargetLandmarks, this->LandmarkWeights, field,
+    this->Transform };
   double bounds[6];
   std::copy(this->Bounds, this->Bounds + 6, bounds);
-  const bool chosen = bounds[0] <= bounds[1];
-  vtkDataArray* scalars = field ? field->GetPointData()->GetScalars() : nullptr;
-  if (given != 1)
-  {
-    problem = given == 0
-      ? "There is nothing to fit. Set landmarks, a transform, or an image of displacements"
-      : "There is more than one thing to fit. Set landmarks, a transform or an image, and null for "
-        "the others";
-  }
-  else if (landmarks)
-  {
-    if (!this->SourceLandmarks || !this->TargetLandmarks ||
-      this->SourceLandmarks->GetNumberOfPoints() != this->TargetLandmarks->GetNumberOfPoints() ||
-      this->SourceLandmarks->GetNumberOfPoints() < 1)
-    {
-      problem = "There are not as many source as target landmarks, or none. Set both";
-    }
-    else if (this->LandmarkWeights &&
-      (this->LandmarkWeights->GetNumberOfComponents() != 1 ||
-        this->LandmarkWeights->GetNumberOfTuples() != this->SourceLandmarks->GetNumberOfPoints()))
-    {
-      problem = "There is not one weight per pair of landmarks. Set as many";
-    }
-    else if (!chosen)
-    {
-      vtkBoundingBox box;
-      for (vtkPoints* points : { this->SourceLandmarks.Get(), this->TargetLandmarks.Get() })
-      {
-        for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i)
-        {
-          double point[3];
-          points->GetPoint(i, point);
-          box.AddPoint(point);
-        }
-      }
-      box.Inflate(LandmarkMargin * box.GetMaxLength());
-      if (box.GetMaxLength() <= 0.0)
-      {
-        box.Inflate(0.5);
-      }
-      box.GetBounds(bounds);
-    }
-  }
-  else if (field)
-  {
-    if (!scalars || scalars->GetNumberOfComponents() != 3 || field->GetNumberOfPoints() < 1 ||
-      scalars->GetNumberOfTuples() != field->GetNumberOfPoints())
-    {
-      problem = "The image at the input has no point scalars with 3 components, the displacements";
-    }
-    else if (!field->GetDirectionMatrix()->IsIdentity())
-    {
-      problem = "The image of displacements has a direction matrix. Set a vtkGridTransform in its "
-                "frame as Transform instead";
-    }
-    else if (!chosen)
-    {
-      field->GetBounds(bounds);
-    }
-  }
-  else if (!chosen)
-  {
-    problem = "A transform has no bounds of its own. Call SetBounds() with those of the data";
-  }
-  if (problem.empty() && !FindDomain(bounds))
-  {
-    problem = chosen
-      ? "The bounds are not usable. Call SetBounds() with minima below maxima, at least on one axis"
-      : "The data to fit have no bounds that a lattice can have: they are a single point, too "
-        "small or too large, or not finite. Call SetBounds()";
-  }
+  const std::string problem = FindFitProblem(input, bounds);
   if (!problem.empty())
   {
     vtkErrorMacro(<< problem << ".");
     return;
   }
-
   ffd::FitLimits limits;
   limits.Tolerance = this->Tolerance;
   limits.MaximumCells = this->MaximumCells;
@@ -422,55 +517,11 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   ffd::FittedNet fit;
   fit.Lower = { bounds[0], bounds[2], bounds[4] };
   fit.Extent = { bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4] };
-  ffd::FitStatus status = ffd::FitStatus::NotFinite;
-  if (landmarks)
-  {
-    const std::vector<glm::dvec3> from = CopyPoints(this->SourceLandmarks);
-    std::vector<glm::dvec3> displacements = CopyPoints(this->TargetLandmarks);
-    std::vector<double> weights;
-    for (std::size_t i = 0; i < from.size(); ++i)
-    {
-      displacements[i] -= from[i];
-      if (this->LandmarkWeights)
-      {
-        weights.push_back(this->LandmarkWeights->GetComponent(static_cast<vtkIdType>(i), 0));
-        if (!(weights.back() > 0.0) || !std::isfinite(weights.back()))
-        {
-          vtkErrorMacro("The weight of landmark " << i << " is " << weights.back()
-                                                  << ". Give positive weights.");
-          return;
-        }
-      }
-    }
-    status = ffd::FitNetToPoints(from, displacements, weights, this->Smoothness, limits, fit);
-  }
-  else if (field)
-  {
-    int extent[6];
-    double spacing[3];
-    double origin[3];
-    field->GetExtent(extent);
-    field->GetSpacing(spacing);
-    field->GetOrigin(origin);
-    glm::ivec3 count;
-    glm::dvec3 first;
-    for (int a = 0; a < 3; ++a)
-    {
-      count[a] = extent[2 * a + 1] - extent[2 * a] + 1;
-      first[a] = origin[a] + extent[2 * a] * spacing[a];
-    }
-    vtkFFDRequireMemory(BytesPerSample * static_cast<double>(field->GetNumberOfPoints()),
-      "The fit to " + std::to_string(field->GetNumberOfPoints()) + " displacements",
-      "Use a coarser image.");
-    const std::vector<glm::dvec3> displacements = vtkFFDCopyTuples(scalars);
-    status = ffd::FitNetToGrid(
-      count, first, { spacing[0], spacing[1], spacing[2] }, displacements, limits, fit);
-  }
-  else
-  {
-    status = ffd::FitNetToFunction(
-      vtkFFDMakeTransformSampler(this->Transform, limits.Parallel), limits, fit);
-  }
+  const ffd::FitStatus status = input.HasLandmarks()
+    ? FitLandmarks(input, this->Smoothness, limits, fit)
+    : field ? FitField(field, limits, fit)
+            : ffd::FitNetToFunction(
+                vtkFFDMakeTransformSampler(this->Transform, limits.Parallel), limits, fit);
   if (status == ffd::FitStatus::Stopped)
   {
     vtkWarningMacro("The fit was aborted; there is no lattice.");
@@ -478,9 +529,7 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   }
   if (status == ffd::FitStatus::NotFinite)
   {
-    vtkErrorMacro("The " << (landmarks  ? "landmarks"
-                                : field ? "displacements"
-                                        : "transform")
+    vtkErrorMacro("The " << input.GetName()
                          << " to fit give values that are not finite within the bounds, or no "
                             "samples lie in them.");
     return;
