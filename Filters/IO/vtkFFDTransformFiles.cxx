@@ -60,46 +60,46 @@ int DetectFormat(std::string_view head, bool packed)
 {
   if (ffd::LooksLikeNifti(head))
   {
-    return vtkFFDTransformFile::NIFTI;
+    return vtkFFDTransformReader::NIFTI;
   }
   if (packed)
   {
-    return vtkFFDTransformFile::NONE;
+    return vtkFFDTransformReader::UNKNOWN;
   }
   if (ffd::LooksLikeItkTransform(head))
   {
-    return vtkFFDTransformFile::ITK_TEXT;
+    return vtkFFDTransformReader::ITK_TEXT;
   }
   if (vtkFFDHdf5Transforms::LooksLikeHdf5(head))
   {
-    return vtkFFDTransformFile::ITK_HDF5;
+    return vtkFFDTransformReader::ITK_HDF5;
   }
   if (ffd::LooksLikeMatlabTransform(head))
   {
-    return vtkFFDTransformFile::MATLAB;
+    return vtkFFDTransformReader::MATLAB;
   }
   if (ffd::LooksLikeMincTransform(head))
   {
-    return vtkFFDTransformFile::MINC;
+    return vtkFFDTransformReader::MINC;
   }
   if (ffd::LooksLikeNrrd(head))
   {
-    return vtkFFDTransformFile::NRRD;
+    return vtkFFDTransformReader::NRRD;
   }
   if (ffd::LooksLikeMetaImage(head))
   {
-    return vtkFFDTransformFile::META_IMAGE;
+    return vtkFFDTransformReader::META_IMAGE;
   }
   if (head.find("<VTKFile") != std::string_view::npos &&
     head.find("ImageData") != std::string_view::npos)
   {
-    return vtkFFDTransformFile::LATTICE;
+    return vtkFFDTransformReader::LATTICE;
   }
   if (ffd::LooksLikeElastixTransform(head))
   {
-    return vtkFFDTransformFile::ELASTIX;
+    return vtkFFDTransformReader::ELASTIX;
   }
-  return vtkFFDTransformFile::NONE;
+  return vtkFFDTransformReader::UNKNOWN;
 }
 
 /// The data that a header describes, in the file `name` from header.Offset on.
@@ -149,9 +149,9 @@ bool ParseFieldHeader(
 {
   switch (format)
   {
-    case vtkFFDTransformFile::NIFTI:
+    case vtkFFDTransformReader::NIFTI:
       return ffd::ParseNiftiHeader(head, header, error);
-    case vtkFFDTransformFile::NRRD:
+    case vtkFFDTransformReader::NRRD:
       return ffd::ParseNrrdHeader(head, header, error);
     default:
       return ffd::ParseMetaImageHeader(head, header, error);
@@ -255,7 +255,7 @@ bool ReadMinc(const std::string& name, const Proceed& proceed, Steps& steps, std
   return true;
 }
 
-bool ReadAny(const std::string& name, int& format, Steps& steps, ffd::TransformGrid& fixedImage,
+bool ReadAny(const std::string& name, Steps& steps, ffd::TransformGrid& fixedImage,
   Reading& reading, std::string& error);
 
 /// A file that an elastix file names: next to it, or else where the file says.
@@ -268,8 +268,8 @@ std::string FindNamedFile(const std::string& name, const std::string& named)
 }
 
 /// The steps of a file that the elastix file `name` names as `what`.
-bool ReadNamed(const std::string& name, const std::string& named, const char* what, int& format,
-  Steps& steps, ffd::TransformGrid& fixedImage, Reading& reading, std::string& error)
+bool ReadNamed(const std::string& name, const std::string& named, const char* what, Steps& steps,
+  ffd::TransformGrid& fixedImage, Reading& reading, std::string& error)
 {
   static constexpr const char* cause = " cannot be used: ";
   static constexpr const char* endless = "its chain of transforms does not end";
@@ -278,7 +278,7 @@ bool ReadNamed(const std::string& name, const std::string& named, const char* wh
     error = endless;
     return false;
   }
-  if (ReadAny(FindNamedFile(name, named), format, steps, fixedImage, reading, error))
+  if (ReadAny(FindNamedFile(name, named), steps, fixedImage, reading, error))
   {
     return true;
   }
@@ -337,12 +337,10 @@ void AddSteps(Steps& first, Steps&& second)
 bool ReadOwnSteps(const std::string& name, ffd::ElastixTransform& transform, Steps& steps,
   Reading& reading, std::string& error)
 {
-  int format = vtkFFDTransformFile::NONE;
   ffd::TransformGrid ignored;
   if (!transform.TransformFile.empty())
   {
-    return ReadNamed(
-      name, transform.TransformFile, "transform", format, steps, ignored, reading, error);
+    return ReadNamed(name, transform.TransformFile, "transform", steps, ignored, reading, error);
   }
   steps.push_back(std::move(transform.Step));
   if (transform.SubFiles.empty())
@@ -355,8 +353,7 @@ bool ReadOwnSteps(const std::string& name, ffd::ElastixTransform& transform, Ste
   {
     ffd::TransformTerm term;
     term.Weight = transform.Weights[i];
-    if (!ReadNamed(
-          name, transform.SubFiles[i], "transform", format, term.Steps, ignored, reading, error))
+    if (!ReadNamed(name, transform.SubFiles[i], "transform", term.Steps, ignored, reading, error))
     {
       return false;
     }
@@ -390,10 +387,8 @@ bool ReadElastix(const std::string& name, Steps& steps, ffd::TransformGrid& fixe
     stack.StackOrigin = transform.StackOrigin;
     stack.StackSpacing = transform.StackSpacing;
   }
-  int format = vtkFFDTransformFile::NONE;
   if (!transform.InitialFile.empty() &&
-    !ReadNamed(
-      name, transform.InitialFile, "initial transform", format, steps, fixedImage, reading, error))
+    !ReadNamed(name, transform.InitialFile, "initial transform", steps, fixedImage, reading, error))
   {
     return false;
   }
@@ -422,31 +417,25 @@ bool ReadElastix(const std::string& name, Steps& steps, ffd::TransformGrid& fixe
   return true;
 }
 
-bool ReadAny(const std::string& name, int& format, Steps& steps, ffd::TransformGrid& fixedImage,
-  Reading& reading, std::string& error)
+/// The steps of a file of a format; `head` and `packed` as ReadHead() gives them.
+bool ReadAs(int format, const std::string& name, const std::string& head, bool packed, Steps& steps,
+  ffd::TransformGrid& fixedImage, Reading& reading, std::string& error)
 {
-  std::string head;
-  bool packed = false;
-  if (!ReadHead(name, head, packed, error))
-  {
-    return false;
-  }
-  format = DetectFormat(head, packed);
   switch (format)
   {
-    case vtkFFDTransformFile::ITK_TEXT:
+    case vtkFFDTransformReader::ITK_TEXT:
       return ReadItkText(name, reading.Continue, steps, error);
-    case vtkFFDTransformFile::ITK_HDF5:
+    case vtkFFDTransformReader::ITK_HDF5:
       return vtkFFDHdf5Transforms::ReadItk(name, steps, error);
-    case vtkFFDTransformFile::MATLAB:
+    case vtkFFDTransformReader::MATLAB:
       return ReadMatlab(name, reading.Continue, steps, error);
-    case vtkFFDTransformFile::MINC:
+    case vtkFFDTransformReader::MINC:
       return ReadMinc(name, reading.Continue, steps, error);
-    case vtkFFDTransformFile::ELASTIX:
+    case vtkFFDTransformReader::ELASTIX:
       return ReadElastix(name, steps, fixedImage, reading, error);
-    case vtkFFDTransformFile::META_IMAGE:
-    case vtkFFDTransformFile::NRRD:
-    case vtkFFDTransformFile::NIFTI:
+    case vtkFFDTransformReader::META_IMAGE:
+    case vtkFFDTransformReader::NRRD:
+    case vtkFFDTransformReader::NIFTI:
       return ReadField(name, format, head, packed, reading.Continue, steps, error);
     default:
       error = "it is no transform of ITK (text, .h5, .mat), elastix parameter file, .xfm file of "
@@ -455,24 +444,25 @@ bool ReadAny(const std::string& name, int& format, Steps& steps, ffd::TransformG
   }
 }
 
-} // namespace
-
-//------------------------------------------------------------------------------
-int vtkFFDDetectTransformFormat(const std::string& fileName, std::string& error)
+bool ReadAny(const std::string& name, Steps& steps, ffd::TransformGrid& fixedImage,
+  Reading& reading, std::string& error)
 {
   std::string head;
   bool packed = false;
-  if (!ReadHead(fileName, head, packed, error))
-  {
-    return vtkFFDTransformFile::NONE;
-  }
-  const int format = DetectFormat(head, packed);
-  if (format == vtkFFDTransformFile::NONE)
-  {
-    error = "it is no ITK text transform, .h5 or .mat file of ITK, elastix parameter file, .xfm "
-            "file of MINC, MetaImage, NRRD, NIfTI or .vti file";
-  }
-  return format;
+  return ReadHead(name, head, packed, error) &&
+    ReadAs(DetectFormat(head, packed), name, head, packed, steps, fixedImage, reading, error);
+}
+
+} // namespace
+
+//------------------------------------------------------------------------------
+int vtkFFDDetectTransformFormat(const std::string& fileName)
+{
+  std::string head;
+  std::string error;
+  bool packed = false;
+  return ReadHead(fileName, head, packed, error) ? DetectFormat(head, packed)
+                                                 : vtkFFDTransformReader::UNKNOWN;
 }
 
 //------------------------------------------------------------------------------
@@ -488,15 +478,15 @@ bool vtkFFDIsTransformFile(const std::string& fileName)
   const int format = DetectFormat(head, packed);
   switch (format)
   {
-    case vtkFFDTransformFile::META_IMAGE:
-    case vtkFFDTransformFile::NRRD:
-    case vtkFFDTransformFile::NIFTI:
+    case vtkFFDTransformReader::META_IMAGE:
+    case vtkFFDTransformReader::NRRD:
+    case vtkFFDTransformReader::NIFTI:
     {
       ffd::FieldHeader header;
       return ParseFieldHeader(format, head, header, error);
     }
-    case vtkFFDTransformFile::NONE:
-    case vtkFFDTransformFile::LATTICE:
+    case vtkFFDTransformReader::UNKNOWN:
+    case vtkFFDTransformReader::LATTICE:
       return false;
     default:
       return true;
@@ -531,8 +521,25 @@ std::string vtkFFDFindLatticeFileProblem(const std::string& fileName)
 bool vtkFFDReadTransformFile(const std::string& fileName, vtkFFDTransformFile& file,
   const std::function<bool(double)>& proceed, std::string& error)
 {
+  std::string head;
+  bool packed = false;
+  if (!ReadHead(fileName, head, packed, error))
+  {
+    return false;
+  }
+  file.Format = DetectFormat(head, packed);
+  if (file.Format == vtkFFDTransformReader::LATTICE)
+  {
+    return true;
+  }
+  if (file.Format == vtkFFDTransformReader::UNKNOWN)
+  {
+    error = "it is no ITK text transform, .h5 or .mat file of ITK, elastix parameter file, .xfm "
+            "file of MINC, MetaImage, NRRD, NIfTI or .vti file";
+    return false;
+  }
   Reading reading;
   reading.Continue = [&proceed] { return proceed(0.5); };
   reading.Stack = &file;
-  return ReadAny(fileName, file.Format, file.Steps, file.FixedImage, reading, error);
+  return ReadAs(file.Format, fileName, head, packed, file.Steps, file.FixedImage, reading, error);
 }

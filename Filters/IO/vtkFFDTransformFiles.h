@@ -6,6 +6,8 @@
 
 #include "FFDTransformStep.h"
 
+#include "vtkFFDTransformReader.h"
+
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -14,20 +16,8 @@
 /// A file of a registration tool, read and followed to the files that it names.
 struct vtkFFDTransformFile
 {
-  enum FormatType
-  {
-    NONE = 0, // not known
-    ITK_TEXT,
-    ELASTIX,
-    META_IMAGE,
-    NRRD,
-    NIFTI,
-    LATTICE,
-    ITK_HDF5,
-    MATLAB,
-    MINC
-  };
-  int Format = NONE;
+  /// One of vtkFFDTransformReader::FileFormatType, known even where reading fails.
+  int Format = vtkFFDTransformReader::UNKNOWN;
   /// In the order in which they are applied, LPS.
   std::vector<ffd::TransformStep> Steps;
   /// Of a stack of elastix: which of its steps is to be read, set by the caller; their number (0:
@@ -40,8 +30,8 @@ struct vtkFFDTransformFile
   ffd::TransformGrid FixedImage;
 };
 
-/// The format of a file by its first bytes; NONE with a reason.
-int vtkFFDDetectTransformFormat(const std::string& fileName, std::string& error);
+/// The format of a file by its first bytes; UNKNOWN where it cannot be read, either.
+int vtkFFDDetectTransformFormat(const std::string& fileName);
 
 /// Whether a file is a transform by its first bytes: of one of the formats, images being of three
 /// components, and no .vti.
@@ -51,9 +41,10 @@ bool vtkFFDIsTransformFile(const std::string& fileName);
 std::string vtkFFDFindLatticeFileProblem(const std::string& fileName);
 
 /**
- * Read any format but LATTICE. False with what is wrong, naming the file. `proceed` is called now
- * and then with the fraction that is done; when it returns false reading stops with an error.
- * Memory stays within a small multiple of the files' true size, decompressed.
+ * Read any format, but of LATTICE nothing else than that it is one. False with what is wrong,
+ * naming the file. `proceed` is called now and then with the fraction that is done; when it returns
+ * false reading stops with an error. Memory stays within a small multiple of the files' true size,
+ * decompressed.
  */
 bool vtkFFDReadTransformFile(const std::string& fileName, vtkFFDTransformFile& file,
   const std::function<bool(double)>& proceed, std::string& error);

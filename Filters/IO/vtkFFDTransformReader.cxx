@@ -43,10 +43,6 @@
 vtkStandardNewMacro(vtkFFDTransformReader);
 vtkFFDGuardedProcessRequestMacro(vtkFFDTransformReader);
 
-static_assert(
-  static_cast<int>(vtkFFDTransformReader::MINC) == static_cast<int>(vtkFFDTransformFile::MINC),
-  "the two lists of formats are the same");
-
 namespace
 {
 
@@ -370,8 +366,7 @@ const char* vtkFFDTransformReader::GetFileFormatAsString()
 //------------------------------------------------------------------------------
 int vtkFFDTransformReader::CanReadFile(const char* fileName)
 {
-  std::string error;
-  return fileName && vtkFFDDetectTransformFormat(fileName, error) != vtkFFDTransformFile::NONE;
+  return fileName && vtkFFDDetectTransformFormat(fileName) != UNKNOWN;
 }
 
 //------------------------------------------------------------------------------
@@ -431,20 +426,13 @@ void vtkFFDTransformReader::ReadAnyFile()
   file.StackIndex = static_cast<std::size_t>(this->StackIndex);
   try
   {
-    this->FileFormat = vtkFFDDetectTransformFormat(this->FileName, error);
-    if (this->FileFormat == LATTICE)
-    {
-      this->ReadLatticeFile();
-      return;
-    }
     const auto proceed = [this](double done) {
       this->UpdateProgress(0.8 * done);
       return !this->GetAbortExecute();
     };
-    if (this->FileFormat != UNKNOWN &&
-      vtkFFDReadTransformFile(this->FileName, file, proceed, error))
+    if (vtkFFDReadTransformFile(this->FileName, file, proceed, error))
     {
-      this->UseFile(file);
+      file.Format == LATTICE ? this->ReadLatticeFile() : this->UseFile(file);
     }
   }
   catch (const std::bad_alloc&)
@@ -455,6 +443,7 @@ void vtkFFDTransformReader::ReadAnyFile()
   {
     error = std::string("reading failed: ") + problem.what();
   }
+  this->FileFormat = file.Format;
   if (!error.empty())
   {
     this->Transform = nullptr;
