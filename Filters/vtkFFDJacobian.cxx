@@ -98,6 +98,26 @@ private:
   std::unique_ptr<ffd::SplineRows> Rows;
 };
 
+/// The determinants of a row of points, and which of these are folds.
+void WriteRow(const std::vector<glm::dmat3>& jacobians, double threshold, float* determinants,
+  unsigned char* mask, Summary& summary)
+{
+  for (std::size_t i = 0; i < jacobians.size(); ++i)
+  {
+    const double determinant = glm::determinant(jacobians[i]);
+    // A determinant that is not a number counts as a fold.
+    const bool folded = !(determinant > threshold);
+    determinants[i] = static_cast<float>(determinant);
+    mask[i] = folded ? 1 : 0;
+    summary.Folded += folded ? 1 : 0;
+    if (std::isfinite(determinant))
+    {
+      summary.Least = std::min(summary.Least, determinant);
+      summary.Largest = std::max(summary.Largest, determinant);
+    }
+  }
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -238,20 +258,8 @@ int vtkFFDJacobian::RequestData(
             const vtkIdType row = firstRow + static_cast<vtkIdType>(r);
             evaluator.Evaluate(extent[2] + static_cast<int>(row % rowsPerSlice),
               extent[4] + static_cast<int>(row / rowsPerSlice), scratch, jacobians);
-            for (vtkIdType i = 0; i < rowLength; ++i)
-            {
-              const double determinant = glm::determinant(jacobians[static_cast<std::size_t>(i)]);
-              // A determinant that is not a number counts as a fold.
-              const bool folded = !(determinant > threshold);
-              determinants->SetValue(row * rowLength + i, static_cast<float>(determinant));
-              mask->SetValue(row * rowLength + i, folded ? 1 : 0);
-              summary.Folded += folded ? 1 : 0;
-              if (std::isfinite(determinant))
-              {
-                summary.Least = std::min(summary.Least, determinant);
-                summary.Largest = std::max(summary.Largest, determinant);
-              }
-            }
+            WriteRow(jacobians, threshold, determinants->GetPointer(row * rowLength),
+              mask->GetPointer(row * rowLength), summary);
           }
         });
       this->UpdateProgress(static_cast<double>(last) / slices);

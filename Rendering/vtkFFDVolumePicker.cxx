@@ -431,17 +431,15 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
     }
     return number;
   };
-  const Visibility::Channel* channel = nullptr;
   const auto isHitOrHidden = [&](const ffd::SurfacePoint& p) {
-    channel = isShown(p) ? visibility.Find(p.Index, this->VolumeOpacityIsovalue) : nullptr;
-    return channel || !isShown(p);
+    return !isShown(p) || visibility.Find(p.Index, this->VolumeOpacityIsovalue);
   };
   ffd::SurfacePoint hit;
   int plane = -1;
-  glm::dvec3 faceNormal(0.0); // at rest
-  bool found = false;
+  glm::dvec3 faceNormal(0.0);                   // at rest
+  const Visibility::Channel* channel = nullptr; // that is hit; of a cropping plane none
   double from = t1;
-  while (!found)
+  while (!channel)
   {
     ffd::SurfacePoint before;
     if (!search.FindFirst(from, t2, isShown, label, hit, before))
@@ -469,16 +467,13 @@ double vtkFFDVolumePicker::IntersectDeformed(const double p1[3], const double p2
     }
     if (this->PickCroppingPlanes && cropping.IsOn())
     {
-      channel = nullptr;
       break;
     }
     if (!search.FindFirst(entry.T, t2, isHitOrHidden, label, hit, before))
     {
       return VTK_DOUBLE_MAX;
     }
-    // The condition was asked last wherever the bisection ended.
-    isHitOrHidden(hit);
-    found = channel != nullptr;
+    channel = isShown(hit) ? visibility.Find(hit.Index, this->VolumeOpacityIsovalue) : nullptr;
     if (hit.T > entry.T)
     {
       faceNormal = glm::dvec3(0.0);
