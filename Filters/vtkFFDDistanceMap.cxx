@@ -182,16 +182,9 @@ int vtkFFDDistanceMap::RequestData(
   std::string message;
   int association = vtkDataObject::FIELD_ASSOCIATION_POINTS;
   vtkDataArray* scalars = this->GetInputArrayToProcess(0, inputs, association);
-  if (!scalars && !vtkFFDHasPointArray(this->GetInputArrayInformation(0), input, message))
+  if (!vtkFFDIsPointArray(this->GetInputArrayInformation(0), input, scalars, association, message))
   {
     vtkErrorMacro(<< message);
-    return 0;
-  }
-  if (scalars && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
-  {
-    vtkErrorMacro("The array to process, \""
-      << (scalars->GetName() ? scalars->GetName() : "(unnamed)")
-      << "\", is no point data. Convert it with vtkCellDataToPointData.");
     return 0;
   }
   ffd::VolumeView volume;

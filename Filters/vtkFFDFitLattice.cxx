@@ -5,6 +5,7 @@
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeData.h"
+#include "vtkFFDOptions.h"
 #include "vtkFFDParallelFor.h"
 #include "vtkFFDPipeline.h"
 #include "vtkFFDTransformSampler.h"
@@ -354,27 +355,13 @@ void vtkFFDFitLattice::SetSmoothness(double smoothness)
 //------------------------------------------------------------------------------
 void vtkFFDFitLattice::SetTolerance(double tolerance)
 {
-  if (!(tolerance > 0.0) || !std::isfinite(tolerance))
-  {
-    vtkErrorMacro("SetTolerance: the tolerance is " << tolerance << ". Give a positive distance.");
-    return;
-  }
-  if (this->Tolerance != tolerance)
-  {
-    this->Tolerance = tolerance;
-    this->Modified();
-  }
+  vtkFFDSetTolerance(this, "SetTolerance", this->Tolerance, tolerance);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDFitLattice::SetBounds(const double bounds[6])
 {
-  if (!bounds)
-  {
-    vtkErrorMacro("SetBounds: the bounds are null. Give six numbers.");
-    return;
-  }
-  this->SetBounds(bounds[0], bounds[1], bounds[2], bounds[3], bounds[4], bounds[5]);
+  vtkFFDSetBounds(this, "SetBounds", this->Bounds, bounds);
 }
 
 //------------------------------------------------------------------------------
@@ -382,16 +369,7 @@ void vtkFFDFitLattice::SetBounds(
   double xmin, double xmax, double ymin, double ymax, double zmin, double zmax)
 {
   const double bounds[6] = { xmin, xmax, ymin, ymax, zmin, zmax };
-  if (!std::all_of(bounds, bounds + 6, [](double b) { return std::isfinite(b); }))
-  {
-    vtkErrorMacro("SetBounds: a bound is not finite. Give finite numbers.");
-    return;
-  }
-  if (!std::equal(bounds, bounds + 6, this->Bounds))
-  {
-    std::copy(bounds, bounds + 6, this->Bounds);
-    this->Modified();
-  }
+  this->SetBounds(bounds);
 }
 
 //------------------------------------------------------------------------------

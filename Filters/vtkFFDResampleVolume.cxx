@@ -5,6 +5,7 @@
 #include "vtkFFDDeformationSource.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDOptions.h"
 #include "vtkFFDParallelFor.h"
 #include "vtkFFDPipeline.h"
 #include "vtkFFDVolumeViewFromImage.h"
@@ -284,32 +285,15 @@ void vtkFFDResampleVolume::PrintSelf(ostream& os, vtkIndent indent)
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDResampleVolume::SetPositive(const char* name, double& member, double value)
-{
-  if (!(value > 0.0) || !std::isfinite(value))
-  {
-    vtkErrorMacro(<< name << " must be a positive number, not " << value << "; it stays " << member
-                  << ".");
-    return false;
-  }
-  if (member != value)
-  {
-    member = value;
-    this->Modified();
-  }
-  return true;
-}
-
-//------------------------------------------------------------------------------
 void vtkFFDResampleVolume::SetInverseTolerance(double voxels)
 {
-  this->SetPositive("InverseTolerance", this->InverseTolerance, voxels);
+  vtkFFDSetPositive(this, "InverseTolerance", this->InverseTolerance, voxels);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDResampleVolume::SetPositionTolerance(double voxels)
 {
-  this->SetPositive("PositionTolerance", this->PositionTolerance, voxels);
+  vtkFFDSetPositive(this, "PositionTolerance", this->PositionTolerance, voxels);
 }
 
 //------------------------------------------------------------------------------
@@ -675,16 +659,9 @@ int vtkFFDResampleVolume::RequestData(
     vtkPointData* data = input->GetPointData();
     scalars = data->GetScalars() ? data->GetScalars() : data->GetArray(0);
   }
-  if (!scalars && !vtkFFDHasPointArray(this->GetInputArrayInformation(0), input, message))
+  if (!vtkFFDIsPointArray(this->GetInputArrayInformation(0), input, scalars, association, message))
   {
     vtkErrorMacro(<< message);
-    return 0;
-  }
-  if (scalars && association != vtkDataObject::FIELD_ASSOCIATION_POINTS)
-  {
-    vtkErrorMacro("The array to process, \""
-      << (scalars->GetName() ? scalars->GetName() : "(unnamed)")
-      << "\", is no point data. Convert it with vtkCellDataToPointData.");
     return 0;
   }
   ffd::VolumeView volume;

@@ -211,7 +211,6 @@ private:
 
   class vtkInternals;
 
-  bool SetPositive(const char* name, double& member, double value);
   bool UpdateInternals(vtkInformation* input, std::string& message);
 
   vtkAbstractTransform* Deformation = nullptr;

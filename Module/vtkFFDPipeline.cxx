@@ -7,6 +7,7 @@
 #include "vtkCellData.h"
 #include "vtkCompositeDataIterator.h"
 #include "vtkCompositeDataSet.h"
+#include "vtkDataArray.h"
 #include "vtkDataSet.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -69,8 +70,16 @@ bool vtkFFDIsBlock(vtkCompositeDataSet* blocks, vtkDataObject* data)
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDHasPointArray(vtkInformation* chosen, vtkDataSet* data, std::string& message)
+bool vtkFFDIsPointArray(vtkInformation* chosen, vtkDataSet* data, vtkDataArray* found,
+  int association, std::string& message)
 {
+  if (found)
+  {
+    message = std::string("The array to process, \"") +
+      (found->GetName() ? found->GetName() : "(unnamed)") +
+      "\", is no point data. Convert it with vtkCellDataToPointData.";
+    return association == vtkDataObject::FIELD_ASSOCIATION_POINTS;
+  }
   const char* const name = chosen ? chosen->Get(vtkDataObject::FIELD_NAME()) : nullptr;
   if (!name || !*name || data->GetPointData()->HasArray(name))
   {

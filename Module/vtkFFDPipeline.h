@@ -13,6 +13,7 @@
 
 class vtkAlgorithmOutput;
 class vtkCompositeDataSet;
+class vtkDataArray;
 class vtkDataObject;
 class vtkDataSet;
 class vtkInformation;
@@ -41,10 +42,10 @@ VTKFFDCORE_EXPORT int vtkFFDRequestInformationAgain(
 /// brought up to date meanwhile: the blocks are.
 VTKFFDCORE_EXPORT bool vtkFFDIsBlock(vtkCompositeDataSet* blocks, vtkDataObject* data);
 
-/// Whether an array of points that a filter was told to process by name, `chosen`, exists, or none
-/// was named; else `message` says what is wrong.
-VTKFFDCORE_EXPORT bool vtkFFDHasPointArray(
-  vtkInformation* chosen, vtkDataSet* data, std::string& message);
+/// Whether the array that a filter was told to process, `chosen`, is one of points, or none was
+/// named; else `message` says what is wrong. `found`, of `association`: that array, or null.
+VTKFFDCORE_EXPORT bool vtkFFDIsPointArray(vtkInformation* chosen, vtkDataSet* data,
+  vtkDataArray* found, int association, std::string& message);
 
 /// The definition of ProcessRequest() of such a filter, guarded as
 /// vtkFFDGuardedProcessRequestMacro() does it.

@@ -5,6 +5,7 @@
 #include "vtkFFDFrameOutput.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDInverseRayVolumeMapperInternals.h"
+#include "vtkFFDOptions.h"
 #include "vtkFFDPipeline.h"
 #include "vtkFFDProbeView.h"
 
@@ -90,23 +91,6 @@ void vtkFFDInverseRayVolumeMapper::SetMaskBlendFactor(float factor)
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDInverseRayVolumeMapper::SetPositive(const char* name, double& member, double value)
-{
-  if (!(value > 0.0) || !std::isfinite(value))
-  {
-    vtkErrorMacro(<< name << " must be a positive number, not " << value << "; it stays " << member
-                  << ".");
-    return false;
-  }
-  if (member != value)
-  {
-    member = value;
-    this->Modified();
-  }
-  return true;
-}
-
-//------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetClamped(float& option, float value, float low, float high)
 {
   // vtkSetClampMacro lets through what is not a number.
@@ -139,13 +123,13 @@ void vtkFFDInverseRayVolumeMapper::SetVolumetricScatteringBlending(float blendin
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetInverseTolerance(double voxels)
 {
-  this->SetPositive("InverseTolerance", this->InverseTolerance, voxels);
+  vtkFFDSetPositive(this, "InverseTolerance", this->InverseTolerance, voxels);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetPositionTolerance(double voxels)
 {
-  this->SetPositive("PositionTolerance", this->PositionTolerance, voxels);
+  vtkFFDSetPositive(this, "PositionTolerance", this->PositionTolerance, voxels);
 }
 
 //------------------------------------------------------------------------------
@@ -157,13 +141,13 @@ void vtkFFDInverseRayVolumeMapper::SetAngleThreshold(double degrees)
                   << this->AngleThreshold << ".");
     return;
   }
-  this->SetPositive("AngleThreshold", this->AngleThreshold, degrees);
+  vtkFFDSetPositive(this, "AngleThreshold", this->AngleThreshold, degrees);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetMinimumSegmentLength(double voxels)
 {
-  this->SetPositive("MinimumSegmentLength", this->MinimumSegmentLength, voxels);
+  vtkFFDSetPositive(this, "MinimumSegmentLength", this->MinimumSegmentLength, voxels);
 }
 
 //------------------------------------------------------------------------------
@@ -201,7 +185,7 @@ void vtkFFDInverseRayVolumeMapper::SetEarlyRayTerminationThreshold(double transm
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetSampleDistance(double distance)
 {
-  if (this->SetPositive("SampleDistance", this->SampleDistance, distance))
+  if (vtkFFDSetPositive(this, "SampleDistance", this->SampleDistance, distance))
   {
     this->SetLockSampleDistanceToInputSpacing(0);
   }
@@ -210,7 +194,8 @@ void vtkFFDInverseRayVolumeMapper::SetSampleDistance(double distance)
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetInteractiveSampleDistance(double distance)
 {
-  if (this->SetPositive("InteractiveSampleDistance", this->InteractiveSampleDistance, distance) &&
+  if (vtkFFDSetPositive(
+        this, "InteractiveSampleDistance", this->InteractiveSampleDistance, distance) &&
     this->InteractiveSampleDistanceLocked)
   {
     this->InteractiveSampleDistanceLocked = false;
@@ -247,21 +232,21 @@ double vtkFFDInverseRayVolumeMapper::FindSampleDistance(double voxelSize, bool i
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetImageSampleDistance(double pixels)
 {
-  this->SetPositive("ImageSampleDistance", this->ImageSampleDistance,
+  vtkFFDSetPositive(this, "ImageSampleDistance", this->ImageSampleDistance,
     pixels > 0.0 ? std::clamp(pixels, 0.1, 100.0) : pixels);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetMinimumImageSampleDistance(double pixels)
 {
-  this->SetPositive("MinimumImageSampleDistance", this->MinimumImageSampleDistance,
+  vtkFFDSetPositive(this, "MinimumImageSampleDistance", this->MinimumImageSampleDistance,
     pixels > 0.0 ? std::clamp(pixels, 0.1, 100.0) : pixels);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetMaximumImageSampleDistance(double pixels)
 {
-  this->SetPositive("MaximumImageSampleDistance", this->MaximumImageSampleDistance,
+  vtkFFDSetPositive(this, "MaximumImageSampleDistance", this->MaximumImageSampleDistance,
     pixels > 0.0 ? std::clamp(pixels, 0.1, 100.0) : pixels);
 }
 
@@ -580,7 +565,7 @@ void vtkFFDInverseRayVolumeMapper::GetDepthImage(vtkImageData* image)
 //------------------------------------------------------------------------------
 void vtkFFDInverseRayVolumeMapper::SetInteractiveUpdateRate(double framesPerSecond)
 {
-  this->SetPositive("InteractiveUpdateRate", this->InteractiveUpdateRate,
+  vtkFFDSetPositive(this, "InteractiveUpdateRate", this->InteractiveUpdateRate,
     framesPerSecond > 0.0 ? std::clamp(framesPerSecond, 1e-10, 1e10) : framesPerSecond);
 }
 

@@ -1070,7 +1070,6 @@ private:
   vtkFFDInverseRayVolumeMapper(const vtkFFDInverseRayVolumeMapper&) = delete;
   void operator=(const vtkFFDInverseRayVolumeMapper&) = delete;
 
-  bool SetPositive(const char* name, double& member, double value);
   void SetClamped(float& option, float value, float low, float high);
   double FindSampleDistance(double voxelSize, bool interactive) const;
 

@@ -7,6 +7,7 @@
 #include "vtkFFDImageDataFile.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeData.h"
+#include "vtkFFDOptions.h"
 #include "vtkFFDSplineTransform.h"
 #include "vtkFFDSumTransform.h"
 #include "vtkFFDTransformFiles.h"
@@ -303,12 +304,7 @@ void vtkFFDTransformReader::SetCoordinates(int coordinates)
 //------------------------------------------------------------------------------
 void vtkFFDTransformReader::SetFitBounds(const double bounds[6])
 {
-  if (!bounds)
-  {
-    vtkErrorMacro("SetFitBounds: the bounds are null. Give six numbers.");
-    return;
-  }
-  this->SetFitBounds(bounds[0], bounds[1], bounds[2], bounds[3], bounds[4], bounds[5]);
+  vtkFFDSetBounds(this, "SetFitBounds", this->FitBounds, bounds);
 }
 
 //------------------------------------------------------------------------------
@@ -316,37 +312,13 @@ void vtkFFDTransformReader::SetFitBounds(
   double xmin, double xmax, double ymin, double ymax, double zmin, double zmax)
 {
   const double bounds[6] = { xmin, xmax, ymin, ymax, zmin, zmax };
-  bool changed = false;
-  for (int i = 0; i < 6; ++i)
-  {
-    if (!std::isfinite(bounds[i]))
-    {
-      vtkErrorMacro("SetFitBounds: a bound is " << bounds[i] << ". Give finite numbers.");
-      return;
-    }
-    changed = changed || bounds[i] != this->FitBounds[i];
-  }
-  if (changed)
-  {
-    std::copy(bounds, bounds + 6, this->FitBounds);
-    this->Modified();
-  }
+  this->SetFitBounds(bounds);
 }
 
 //------------------------------------------------------------------------------
 void vtkFFDTransformReader::SetFitTolerance(double tolerance)
 {
-  if (!(tolerance > 0.0) || !std::isfinite(tolerance))
-  {
-    vtkErrorMacro(
-      "SetFitTolerance: the tolerance is " << tolerance << ". Give a positive distance.");
-    return;
-  }
-  if (this->FitTolerance != tolerance)
-  {
-    this->FitTolerance = tolerance;
-    this->Modified();
-  }
+  vtkFFDSetTolerance(this, "SetFitTolerance", this->FitTolerance, tolerance);
 }
 
 //------------------------------------------------------------------------------
