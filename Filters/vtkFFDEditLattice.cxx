@@ -6,6 +6,7 @@
 #include "vtkFFDGuard.h"
 #include "vtkFFDLattice.h"
 #include "vtkFFDLatticeSource.h"
+#include "vtkFFDOptions.h"
 
 #include "vtkCommunicator.h"
 #include "vtkCompositeDataIterator.h"
@@ -44,8 +45,6 @@ vtkInformationKeyMacro(vtkFFDEditLattice, LATTICE, DataObjectMetaData);
 namespace
 {
 
-constexpr int SmallestSize = 4;
-constexpr int LargestSize = 64;
 const char* const GeometryModeName = "FFDGeometryMode";
 
 /// sum += from, of the size of the lattice.
@@ -192,31 +191,15 @@ bool vtkFFDEditLattice::SetFinite(const char* name, double& member, double value
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDEditLattice::SetSizes(
+void vtkFFDEditLattice::SetSizes(
   const char* name, int member[3], const int sizes[3], bool zeroAllowed)
 {
-  if (!sizes)
-  {
-    vtkErrorMacro("Set" << name << ": the numbers of control points are null. Give three numbers.");
-    return false;
-  }
-  const bool none = zeroAllowed && sizes[0] == 0 && sizes[1] == 0 && sizes[2] == 0;
-  for (int a = 0; a < 3; ++a)
-  {
-    if (!none && (sizes[a] < SmallestSize || sizes[a] > LargestSize))
-    {
-      vtkErrorMacro(<< name << " is " << sizes[0] << ", " << sizes[1] << ", " << sizes[2]
-                    << "; each must be from " << SmallestSize << " to " << LargestSize
-                    << ". It stays " << member[0] << ", " << member[1] << ", " << member[2] << ".");
-      return false;
-    }
-  }
-  if (!std::equal(sizes, sizes + 3, member))
+  if (vtkFFDAreEditSizes(this, name, member, sizes, zeroAllowed) &&
+    !std::equal(sizes, sizes + 3, member))
   {
     std::copy_n(sizes, 3, member);
     this->Modified();
   }
-  return true;
 }
 
 //------------------------------------------------------------------------------
@@ -289,11 +272,11 @@ void vtkFFDEditLattice::SetDisplacementScale(double scale)
 //------------------------------------------------------------------------------
 void vtkFFDEditLattice::SetNumberOfDisplacements(int count)
 {
-  constexpr int largest = LargestSize * LargestSize * LargestSize;
-  if (count < 0 || count > largest)
+  if (count < 0 || count > vtkFFDLargestEditCount)
   {
-    vtkErrorMacro(<< "NumberOfDisplacements is " << count << ", it must be from 0 to " << largest
-                  << "; it stays " << this->GetNumberOfDisplacements() << ".");
+    vtkErrorMacro(<< "NumberOfDisplacements is " << count << ", it must be from 0 to "
+                  << vtkFFDLargestEditCount << "; it stays " << this->GetNumberOfDisplacements()
+                  << ".");
     return;
   }
   if (count != this->GetNumberOfDisplacements())
@@ -338,14 +321,13 @@ void vtkFFDEditLattice::SetDisplacement(int index, double dx, double dy, double 
 //------------------------------------------------------------------------------
 int vtkFFDEditLattice::SetDisplacements(vtkDataArray* displacements)
 {
-  constexpr vtkIdType largest = LargestSize * LargestSize * LargestSize;
   const vtkIdType count = displacements ? displacements->GetNumberOfTuples() : 0;
   if (!displacements || (count > 0 && displacements->GetNumberOfComponents() != 3) ||
-    count > largest)
+    count > vtkFFDLargestEditCount)
   {
     vtkErrorMacro(<< "SetDisplacements: the array "
-                  << (displacements ? "has another shape" : "is null") << ". Give up to " << largest
-                  << " tuples of 3 components, x fastest.");
+                  << (displacements ? "has another shape" : "is null") << ". Give up to "
+                  << vtkFFDLargestEditCount << " tuples of 3 components, x fastest.");
     return 0;
   }
   std::vector<double> values(3 * static_cast<std::size_t>(count));

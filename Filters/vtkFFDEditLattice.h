@@ -254,7 +254,7 @@ private:
   void operator=(const vtkFFDEditLattice&) = delete;
 
   bool SetFinite(const char* name, double& member, double value);
-  bool SetSizes(const char* name, int member[3], const int sizes[3], bool zeroAllowed);
+  void SetSizes(const char* name, int member[3], const int sizes[3], bool zeroAllowed);
   bool MakeLattice(const double bounds[6], vtkFFDLattice* inputLattice, bool report);
   void MakeOutput(vtkInformationVector** inputs, vtkInformationVector* outputs);
   bool Attach(vtkDataObject* input, const double bounds[6], vtkDataObject* output);

@@ -65,3 +65,27 @@ bool vtkFFDSetBounds(vtkObject* self, const char* name, double member[6], const 
   ChangeNumbers(self, member, bounds, 6);
   return true;
 }
+
+//------------------------------------------------------------------------------
+bool vtkFFDAreEditSizes(
+  vtkObject* self, const char* name, const int member[3], const int sizes[3], bool zeroAllowed)
+{
+  if (!sizes)
+  {
+    vtkErrorWithObjectMacro(
+      self, "Set" << name << ": the numbers of control points are null. Give three numbers.");
+    return false;
+  }
+  const bool none = zeroAllowed && std::all_of(sizes, sizes + 3, [](int n) { return n == 0; });
+  if (!none && !std::all_of(sizes, sizes + 3, [](int n) {
+        return n >= vtkFFDSmallestEditSize && n <= vtkFFDLargestEditSize;
+      }))
+  {
+    vtkErrorWithObjectMacro(self, << name << " is " << sizes[0] << ", " << sizes[1] << ", "
+                                  << sizes[2] << "; each must be from " << vtkFFDSmallestEditSize
+                                  << " to " << vtkFFDLargestEditSize << ". It stays " << member[0]
+                                  << ", " << member[1] << ", " << member[2] << ".");
+    return false;
+  }
+  return true;
+}

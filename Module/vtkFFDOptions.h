@@ -23,4 +23,17 @@ VTKFFDCORE_EXPORT bool vtkFFDSetBounds(
   vtkObject* self, const char* name, double member[6], const double bounds[6]);
 ///@}
 
+///@{
+/**
+ * Control points per axis of lattices that are edited. Whether `sizes` are within these limits, or
+ * all 0 where `zeroAllowed`; else there is an error of `self`, whose option `name` stays `member`.
+ */
+constexpr int vtkFFDSmallestEditSize = 4;
+constexpr int vtkFFDLargestEditSize = 64;
+constexpr int vtkFFDLargestEditCount =
+  vtkFFDLargestEditSize * vtkFFDLargestEditSize * vtkFFDLargestEditSize;
+VTKFFDCORE_EXPORT bool vtkFFDAreEditSizes(
+  vtkObject* self, const char* name, const int member[3], const int sizes[3], bool zeroAllowed);
+///@}
+
 #endif

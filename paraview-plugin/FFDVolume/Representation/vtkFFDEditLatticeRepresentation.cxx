@@ -6,6 +6,7 @@
 
 #include "vtkFFDEditLattice.h"
 #include "vtkFFDLattice.h"
+#include "vtkFFDOptions.h"
 
 #include "vtkCamera.h"
 #include "vtkDataArray.h"
@@ -24,10 +25,6 @@ vtkStandardNewMacro(vtkFFDEditLatticeRepresentation);
 
 namespace
 {
-
-constexpr int SmallestSize = 4;
-constexpr int LargestSize = 64;
-constexpr int LargestCount = LargestSize * LargestSize * LargestSize;
 
 std::vector<double> GetValues(vtkFFDLattice* lattice)
 {
@@ -93,26 +90,15 @@ void vtkFFDEditLatticeRepresentation::PrintSelf(ostream& os, vtkIndent indent)
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDEditLatticeRepresentation::SetSizes(
+void vtkFFDEditLatticeRepresentation::SetSizes(
   const char* name, int member[3], const int sizes[3], bool zeroAllowed)
 {
-  const bool none = zeroAllowed && sizes[0] == 0 && sizes[1] == 0 && sizes[2] == 0;
-  for (int a = 0; a < 3; ++a)
-  {
-    if (!none && (sizes[a] < SmallestSize || sizes[a] > LargestSize))
-    {
-      vtkErrorMacro(<< name << " is " << sizes[0] << ", " << sizes[1] << ", " << sizes[2]
-                    << "; each must be from " << SmallestSize << " to " << LargestSize
-                    << ". It stays " << member[0] << ", " << member[1] << ", " << member[2] << ".");
-      return false;
-    }
-  }
-  if (!std::equal(sizes, sizes + 3, member))
+  if (vtkFFDAreEditSizes(this, name, member, sizes, zeroAllowed) &&
+    !std::equal(sizes, sizes + 3, member))
   {
     std::copy_n(sizes, 3, member);
     this->LatticeIsStale = true;
   }
-  return true;
 }
 
 //------------------------------------------------------------------------------
@@ -120,10 +106,10 @@ void vtkFFDEditLatticeRepresentation::SetVectors(
   const char* name, std::vector<double>& values, vtkDataArray* vectors)
 {
   const vtkIdType count = vectors ? vectors->GetNumberOfTuples() : 0;
-  if (count > LargestCount || (count > 0 && vectors->GetNumberOfComponents() != 3))
+  if (count > vtkFFDLargestEditCount || (count > 0 && vectors->GetNumberOfComponents() != 3))
   {
     vtkErrorMacro(<< name << " has " << count << " tuples of " << vectors->GetNumberOfComponents()
-                  << " components; give up to " << LargestCount << " of 3.");
+                  << " components; give up to " << vtkFFDLargestEditCount << " of 3.");
     return;
   }
   std::vector<double> given(3 * static_cast<std::size_t>(count));

@@ -110,7 +110,7 @@ private:
   vtkFFDEditLatticeRepresentation(const vtkFFDEditLatticeRepresentation&) = delete;
   void operator=(const vtkFFDEditLatticeRepresentation&) = delete;
 
-  bool SetSizes(const char* name, int member[3], const int sizes[3], bool zeroAllowed);
+  void SetSizes(const char* name, int member[3], const int sizes[3], bool zeroAllowed);
   void SetVectors(const char* name, std::vector<double>& values, vtkDataArray* vectors);
   bool IsEdited();
 
