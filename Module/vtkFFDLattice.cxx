@@ -244,6 +244,7 @@ void vtkFFDLattice::SetDimensions(const int dimensions[3])
 //------------------------------------------------------------------------------
 void vtkFFDLattice::SetDimensions(int nx, int ny, int nz)
 {
+  this->FollowInverse();
   const glm::ivec3 wanted(nx, ny, nz);
   for (int a = 0; a < 3; ++a)
   {
@@ -294,6 +295,7 @@ void vtkFFDLattice::SetDomain(
 //------------------------------------------------------------------------------
 void vtkFFDLattice::SetDomain(const double bounds[6])
 {
+  this->FollowInverse();
   if (!bounds)
   {
     vtkErrorMacro("SetDomain: bounds is null. Give (xmin, xmax, ymin, ymax, zmin, zmax).");
@@ -393,6 +395,7 @@ void vtkFFDLattice::SetControlPoint(int i, int j, int k, const double point[3])
 //------------------------------------------------------------------------------
 void vtkFFDLattice::SetControlPoint(int i, int j, int k, double x, double y, double z)
 {
+  this->FollowInverse();
   const glm::dvec3 move = glm::dvec3(x, y, z) - this->Lattice->GetGrid().GetRestPoint({ i, j, k });
   this->SetDisplacement(i, j, k, move.x, move.y, move.z);
 }
@@ -425,6 +428,7 @@ void vtkFFDLattice::SetDisplacement(int i, int j, int k, const double displaceme
 //------------------------------------------------------------------------------
 void vtkFFDLattice::SetDisplacement(int i, int j, int k, double dx, double dy, double dz)
 {
+  this->FollowInverse();
   const vtkIdType index = this->Lattice->FindIndex(this, "SetDisplacement", i, j, k);
   if (index < 0)
   {
@@ -505,6 +509,7 @@ int vtkFFDLattice::SetDisplacements(vtkDataArray* displacements)
 //------------------------------------------------------------------------------
 void vtkFFDLattice::Reset()
 {
+  this->FollowInverse();
   if (!this->Lattice->FindTampering().empty())
   {
     // The image, or its array, was given another size.
@@ -536,6 +541,7 @@ bool vtkFFDLattice::IsIdentity()
 //------------------------------------------------------------------------------
 int vtkFFDLattice::Refine(int factorX, int factorY, int factorZ)
 {
+  this->FollowInverse();
   const glm::ivec3 factors(factorX, factorY, factorZ);
   const glm::ivec3 nodes = this->Lattice->GetNodes();
   for (int a = 0; a < 3; ++a)
@@ -560,6 +566,7 @@ int vtkFFDLattice::Refine(int factorX, int factorY, int factorZ)
 //------------------------------------------------------------------------------
 int vtkFFDLattice::Extend(int layers)
 {
+  this->FollowInverse();
   const glm::ivec3 nodes = this->Lattice->GetNodes();
   const int largest = std::max({ nodes.x, nodes.y, nodes.z });
   if (layers < 1 || layers > ffd::Lattice::MaximumFactor ||
@@ -584,6 +591,7 @@ int vtkFFDLattice::Extend(int layers)
 double vtkFFDLattice::FitToTransform(
   vtkAbstractTransform* transform, const double bounds[6], double tolerance, int maximumCells)
 {
+  this->FollowInverse();
   if (!transform || transform == this)
   {
     vtkErrorMacro("FitToTransform: the transform is "
@@ -700,6 +708,7 @@ int vtkFFDLattice::AttachTo(vtkDataObject* object)
 //------------------------------------------------------------------------------
 int vtkFFDLattice::ReadFrom(vtkDataObject* object)
 {
+  this->FollowInverse();
   return vtkFFDGuarded(this, "ReadFrom", 0, [&] {
     ffd::Lattice value;
     const std::string problem = vtkFFDReadLattice(object, value);
@@ -734,6 +743,7 @@ int vtkFFDLattice::ToImageData(vtkImageData* image)
 //------------------------------------------------------------------------------
 int vtkFFDLattice::FromImageData(vtkImageData* image)
 {
+  this->FollowInverse();
   return vtkFFDGuarded(this, "FromImageData", 0, [&] {
     ffd::Lattice value = vtkFFDGetLatticeValue(this, this->Lattice->Array);
     const std::string problem = vtkFFDReadLatticeImage(image, value);
@@ -778,6 +788,7 @@ vtkImageData* vtkFFDLattice::GetCoefficientData() { return this->Lattice->Image;
 //------------------------------------------------------------------------------
 void vtkFFDLattice::SetDisplacementScale(double scale)
 {
+  this->FollowInverse();
   if (!std::isfinite(scale))
   {
     vtkErrorMacro("SetDisplacementScale: the scale is " << scale << ". Give a finite factor.");

@@ -20,7 +20,8 @@
  * set (Inverse(), GetInverse()) the transform is T^-1 instead, by Newton's method with
  * continuation to InverseTolerance (see ffd::SolveInverse): it converges also for strong
  * deformations. Where T folds, the inverse is one of several points or, in the end, the first-order
- * point 2P - T(P) of equation (3) of the paper; never NaN for finite input.
+ * point 2P - T(P) of equation (3) of the paper; never NaN for finite input. What GetInverse() gives
+ * follows this lattice, as any inverse in VTK: an edit of it holds until this lattice is edited.
  *
  * Editing: SetDisplacement() and SetControlPoint() for single points; GetDisplacements() is the
  * array itself, for numpy:

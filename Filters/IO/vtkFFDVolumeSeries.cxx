@@ -228,10 +228,15 @@ public:
     }
     const auto found = std::find_if(this->Kept.begin(), this->Kept.end(),
       [step](const Entry& each) { return each.Step == step; });
-    if (found != this->Kept.end())
+    if (found != this->Kept.end() && found->Content.Image)
     {
       this->Kept.splice(this->Kept.begin(), this->Kept, found);
       return this->Kept.front().Content;
+    }
+    if (found != this->Kept.end())
+    {
+      // What could not be read may be there now.
+      this->Kept.erase(found);
     }
     ++this->Reads;
     this->Kept.push_front({ step, ReadVolume(this->FileNames[static_cast<std::size_t>(step)]) });
@@ -540,6 +545,7 @@ int vtkFFDVolumeSeries::RequestData(
     {
       vtkErrorMacro(
         "The volume " << this->GetFileName(i) << " cannot be used: " << volume.Problem << ".");
+      output->Initialize();
       return 0;
     }
   }

@@ -85,6 +85,47 @@ class TestLattice(unittest.TestCase):
             q = inverse.TransformPoint(*p)
             np.testing.assert_allclose(self.lattice.TransformPoint(q), p, atol=1.01e-9)
 
+    def test_edits_of_an_inverse(self):
+        """The first one, too, holds until the lattice is edited that it belongs to."""
+        image = vtkImageData()
+        source = vtkffd.vtkFFDLattice()
+        source.SetDimensions(5, 5, 5)
+        source.SetDisplacement(2, 2, 2, 0.1, 0.2, 0.3)
+        self.assertEqual(source.ToImageData(image), 1)
+        edits = {
+            "SetDisplacement": lambda g: g.SetDisplacement(1, 1, 1, 7, 7, 7),
+            "SetControlPoint": lambda g: g.SetControlPoint(1, 1, 1, 7, 7, 7),
+            "SetDisplacements": lambda g: g.SetDisplacements(g.GetDisplacements()),
+            "SetDimensions": lambda g: g.SetDimensions(9, 8, 7),
+            "SetDomain": lambda g: g.SetDomain(0, 9, 0, 9, 0, 9),
+            "FitToBounds": lambda g: g.FitToBounds((0, 9, 0, 9, 0, 9)),
+            "Refine": lambda g: g.Refine(2, 2, 2),
+            "Extend": lambda g: g.Extend(1),
+            "Reset": lambda g: g.Reset(),
+            "FromImageData": lambda g: g.FromImageData(image),
+            "FitToTransform": lambda g: g.FitToTransform(source, (0, 9, 0, 9, 0, 9), 0.1, 4),
+            "SetDisplacementScale": lambda g: g.SetDisplacementScale(0.5),
+        }
+
+        def look(g):
+            return (g.GetDimensions(), g.GetDomain(), g.GetDisplacementScale(),
+                    vtk_to_numpy(g.GetDisplacements()).tolist())
+
+        for name, edit in edits.items():
+            with self.subTest(name):
+                lattice = vtkffd.vtkFFDLattice()
+                lattice.SetDimensions(6, 6, 6)
+                lattice.SetDisplacement(2, 3, 2, 0.1, 0.0, 0.0)
+                fresh, known = lattice.GetInverse(), vtkffd.vtkFFDLattice()
+                known.DeepCopy(lattice)
+                known.Inverse()
+                edit(fresh)
+                edit(known)
+                self.assertEqual(look(fresh), look(known))
+                self.assertEqual(fresh.GetInverseFlag(), known.GetInverseFlag())
+                lattice.SetDisplacement(3, 3, 3, 0.2, 0.0, 0.0)
+                self.assertEqual(look(fresh), look(lattice))
+
     def test_inverse_follows_edits_wherever_it_is_used(self):
         image = vtkImageData()
         image.SetDimensions(5, 5, 5)

@@ -223,6 +223,27 @@ class TestVolumeSeries(unittest.TestCase):
         self.assertEqual(item.GetOutput().GetExtent(), (1, 3, 0, 5, 2, 4))
         np.testing.assert_array_equal(values_of(item), self.volumes[0][2:5, :, 1:4])
 
+    def test_a_file_that_comes_later(self):
+        """As of a series that is still written: nothing is shown until it is there, then it is."""
+        for ahead in (0, 1):
+            late = os.path.join(TEMPORARY, "series_late.mha")
+            if os.path.exists(late):
+                os.remove(late)
+            item = self.make(count=3, Prefetch=ahead)
+            item.GetExecutive().AddObserver("ErrorEvent", lambda *_: None)
+            item.AddFileName(late)
+            for step in range(3):
+                item.UpdateTimeStep(step)
+            for _ in range(2):
+                item.UpdateTimeStep(3)
+                self.assertIn("series_late.mha", self.errors.pop())
+                self.assertEqual(item.GetOutput().GetNumberOfPoints(), 0)
+                self.assertIsNone(item.GetOutput().GetPointData().GetScalars())
+            write("series_late.mha", self.volumes[4])
+            item.UpdateTimeStep(3)
+            np.testing.assert_array_equal(values_of(item), self.volumes[4])
+            self.assertFalse(self.errors)
+
     def test_errors(self):
         other = write("series_other.mha", self.volumes[0][:-1])
         for names, words in (((), "no file to read"), ((self.files[0], "no_such.mha"), "no_such.mha"),
