@@ -68,6 +68,17 @@ struct InflateStream : z_stream
   bool Usable;
 };
 
+/// The file that a name stands for, which need not be there, nor what a link leads to.
+fs::path FollowLinks(fs::path path, std::error_code& problem)
+{
+  constexpr int mostLinks = 40;
+  for (int i = 0; i < mostLinks && fs::is_symlink(fs::symlink_status(path, problem)); ++i)
+  {
+    path = path.parent_path() / fs::read_symlink(path, problem);
+  }
+  return fs::weakly_canonical(path, problem);
+}
+
 /// A name in a folder that no file has; the file is made, so that nobody else takes it.
 fs::path MakeTemporary(const fs::path& folder)
 {
@@ -333,9 +344,14 @@ bool Replacement::Write(
   const std::string& name, std::string_view head, std::string_view data, std::string& error)
 {
   std::error_code problem;
-  const fs::path target = fs::weakly_canonical(name, problem);
+  const fs::path target = FollowLinks(name, problem);
+  if (problem)
+  {
+    error = "its name cannot be used: " + problem.message();
+    return false;
+  }
   const fs::file_status status = fs::status(target, problem);
-  error = "it could not be written. Is the folder there, and writable, and is there space left";
+  error = "it could not be written: check that the folder is there, and writable, with space left";
   if (fs::exists(status))
   {
     if (!fs::is_regular_file(status))

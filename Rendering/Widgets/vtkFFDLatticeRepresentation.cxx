@@ -774,6 +774,7 @@ void vtkFFDLatticeRepresentation::ShallowCopy(vtkProp* prop)
     in.OutlineBounds = from.OutlineBounds;
     in.Editor.SetSelected(from.Editor.GetSelected(), from.Editor.GetActive());
     in.Editor.SetPins(from.Editor.GetPins());
+    this->SetUndoMemoryLimit(other->GetUndoMemoryLimit());
     this->Constraint = other->Constraint;
     this->ProportionalEditing = other->ProportionalEditing;
     this->ProportionalRadius = other->ProportionalRadius;

@@ -580,8 +580,10 @@ int TestPlaceAndCopy()
   rep->SelectPoint(1, 1, 1);
   rep->SetLineMode(Rep::CURVED);
   rep->SetFalloff(Rep::SPHERE);
+  rep->SetUndoMemoryLimit(12345);
   vtkNew<vtkFFDLatticeRepresentation> copy;
   copy->ShallowCopy(rep);
+  FFD_CHECK(copy->GetUndoMemoryLimit() == 12345);
   FFD_CHECK(copy->GetLattice() == rep->GetLattice() && copy->IsPointSelected(1, 1, 1));
   FFD_CHECK(copy->GetLineMode() == Rep::CURVED && copy->GetFalloff() == Rep::SPHERE);
   std::ostringstream text;

@@ -355,6 +355,18 @@ class TestTransformWriter(unittest.TestCase):
         self.assertTrue(os.path.islink(os.path.join(folder, "link.tfm")))
         self.assertEqual(stat.S_IMODE(os.stat(target).st_mode), 0o640)
         np.testing.assert_array_equal(apply(read("whole/w.tfm")[0]), apply(lattice))
+        # So are those to files that are not there yet, by way of other links.
+        os.symlink("later.tfm", os.path.join(folder, "second.tfm"))
+        os.symlink(os.path.join(folder, "second.tfm"), os.path.join(folder, "first.tfm"))
+        self.assertIsNone(write("whole/first.tfm", lattice))
+        self.assertTrue(os.path.islink(os.path.join(folder, "first.tfm")))
+        self.assertFalse(os.path.islink(os.path.join(folder, "later.tfm")))
+        np.testing.assert_array_equal(apply(read("whole/later.tfm")[0]), apply(lattice))
+        os.symlink("loop.tfm", os.path.join(folder, "loop.tfm"))
+        here = sorted(os.listdir("."))
+        for name in ("whole/loop.tfm", "whole/" + 300 * "x" + ".tfm"):
+            self.assertIn("its name cannot be used", write(name, lattice))
+        self.assertEqual(sorted(os.listdir(".")), here)
         # What is no file is not replaced.
         os.mkfifo(os.path.join(folder, "pipe.tfm"))
         os.makedirs(os.path.join(folder, "folder.tfm"))
