@@ -134,7 +134,15 @@ int vtkFFDLatticeRepresentation::vtkInternals::Edit(
     vtkErrorWithObjectMacro(this->Self, << name << ": a drag is going on. End or cancel it first.");
     return 0;
   }
+  this->Editor.TakeRefusal(); // of a drag
   const bool changed = edit();
+  if (this->Editor.TakeRefusal())
+  {
+    vtkErrorWithObjectMacro(
+      this->Self, << name
+                  << ": control points would be displaced by more than 1e100, "
+                     "or by what is not a number; all stay. Move them less.");
+  }
   if (changed)
   {
     this->Store();

@@ -115,6 +115,33 @@ class TestRepresentation(unittest.TestCase):
         rep.GetPin(0, pin)
         numpy.testing.assert_allclose(pin, (10, 10, 10), atol=1e-9)
 
+    def test_moves_that_are_too_far(self):
+        """What vtkFFDLattice refuses, the representation does, too, and the lattice goes on."""
+        errors = []
+
+        def on_error(_caller, _event, text):
+            errors.append(text)
+        on_error.CallDataType = "string0"
+        self.rep.AddObserver("ErrorEvent", on_error)
+        rep = self.rep
+        rep.SelectPoint(2, 2, 2)
+        rep.SelectPoint(3, 2, 2, REP.ADD)
+        self.lattice.SetDisplacement(2, 2, 2, 0.5, 0, 0)
+        before = self.displacements().copy()
+        for move in (lambda: rep.TranslateSelection(1e300, 0, 0),
+                     lambda: rep.TranslateSelection(0, -1.01e100, 0),
+                     lambda: rep.ScaleSelection(1e300, 1, 1),
+                     lambda: rep.MoveMaterial((5, 5, 5), (5, 5, 1e101)),
+                     lambda: rep.SetControlPoint(1, 1, 1, 1e300, 0, 0)):
+            self.assertEqual(move(), 0)
+            self.assertEqual(len(errors), 1)
+            self.assertIn("more than 1e100", errors.pop())
+            numpy.testing.assert_array_equal(self.displacements(), before)
+        self.assertEqual(rep.GetNumberOfUndos(), 0)
+        self.assertEqual(rep.TranslateSelection(0, 1e99, 0), 1)
+        self.assertEqual(rep.Undo(), 1)
+        self.assertFalse(errors)
+
     def test_events_carry_the_name(self):
         names = []
 

@@ -29,7 +29,11 @@ constexpr double MidPlaneTolerance = 1e-6;
 /// Part of a move by which what was achieved may differ from it.
 constexpr double MoveTolerance = 1e-9;
 
-bool IsFinite(const glm::dvec3& v) { return std::isfinite(v.x + v.y + v.z); }
+/// False for what is not a number, too.
+bool IsWithin(const glm::dvec3& v, double largest)
+{
+  return std::abs(v.x) <= largest && std::abs(v.y) <= largest && std::abs(v.z) <= largest;
+}
 
 } // namespace
 
@@ -321,11 +325,18 @@ void LatticeEditor::ApplyChanges(std::vector<glm::dvec3>& changes)
   const PointSet locked = this->GetLocked();
   std::vector<glm::dvec3>& values = this->Edited.Net.Values;
   values = this->StartDisplacements;
+  const double largest = Lattice::LargestLength / std::max(1.0, std::abs(this->Edited.Scale));
   for (std::size_t p = 0; p < changes.size(); ++p)
   {
-    if (locked[p] || !IsFinite(changes[p]))
+    if (locked[p])
     {
       changes[p] = glm::dvec3(0.0);
+    }
+    if (changes[p] != glm::dvec3(0.0) && !IsWithin(values[p] + changes[p], largest))
+    {
+      values = this->StartDisplacements;
+      this->Refuses = true;
+      return;
     }
     values[p] += changes[p];
   }

@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ffd
@@ -113,6 +114,9 @@ public:
   // a lattice of other dimensions is set
 
   bool IsEditing() const { return this->EditIsOpen; }
+  /// Whether, since it was asked before, all points have stayed as some would have been displaced
+  /// by what is not a number or exceeds Lattice::LargestLength.
+  bool TakeRefusal() { return std::exchange(this->Refuses, false); }
   /// Returns false, and does nothing, while another edit is open.
   bool Begin(const std::string& name);
   /// Prepares to move a set of points and, by the options, others with them. `leader`: the point
@@ -191,6 +195,7 @@ private:
   std::vector<std::size_t> Changed;
 
   bool EditIsOpen = false;
+  bool Refuses = false;
   std::string EditName;
   std::vector<glm::dvec3> StartDisplacements;
 
