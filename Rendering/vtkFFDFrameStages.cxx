@@ -149,9 +149,7 @@ std::vector<std::uint8_t> CropBlocks(const Cropping& crop, const glm::ivec3& blo
       const double from = block == 0 ? -VTK_DOUBLE_MAX : block * MinMaxBlocks::BlockSize - rounding;
       const double to =
         block == blocks[a] - 1 ? VTK_DOUBLE_MAX : (block + 1) * MinMaxBlocks::BlockSize + rounding;
-      const int first = (from >= crop.Low[a] ? 1 : 0) + (from >= crop.High[a] ? 1 : 0);
-      const int last = (to >= crop.Low[a] ? 1 : 0) + (to >= crop.High[a] ? 1 : 0);
-      parts[a].push_back((2 << last) - (1 << first));
+      parts[a].push_back((2 << crop.FindPart(to, a)) - (1 << crop.FindPart(from, a)));
     }
   }
   // Whether any region of such parts is shown, by the bits of the three axes.

@@ -511,6 +511,7 @@ int vtkFFDVolumeSeries::RequestData(
   {
     return 0;
   }
+  output->Initialize();
   const double time = info->Has(Pipeline::UPDATE_TIME_STEP())
     ? info->Get(Pipeline::UPDATE_TIME_STEP())
     : this->TimeStart;
@@ -545,7 +546,6 @@ int vtkFFDVolumeSeries::RequestData(
     {
       vtkErrorMacro(
         "The volume " << this->GetFileName(i) << " cannot be used: " << volume.Problem << ".");
-      output->Initialize();
       return 0;
     }
   }

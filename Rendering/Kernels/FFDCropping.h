@@ -26,16 +26,17 @@ struct Cropping
   glm::dvec3 High{ 0.0 };
   int Flags = 0; ///< bit x + 3 y + 9 z is set where region (x, y, z) is shown
 
+  /// Which part of an axis a coordinate of it is in: 0 before both planes, 1 between them, 2.
+  int FindPart(double x, int axis) const
+  {
+    return (x >= this->Low[axis] ? 1 : 0) + (x >= this->High[axis] ? 1 : 0);
+  }
+
   /// Whether a point in the coordinates of the planes is shown.
   bool Shows(const glm::dvec3& p) const
   {
-    int region = 0;
-    int stride = 1;
-    for (int a = 0; a < 3; ++a)
-    {
-      region += stride * ((p[a] >= this->Low[a] ? 1 : 0) + (p[a] >= this->High[a] ? 1 : 0));
-      stride *= 3;
-    }
+    const int region =
+      this->FindPart(p.x, 0) + 3 * this->FindPart(p.y, 1) + 9 * this->FindPart(p.z, 2);
     return (this->Flags >> region & 1) != 0;
   }
 

@@ -24,7 +24,7 @@ namespace ffd
 
 /**
  * What frames need of a field that does not change, found on first use: with a lattice of many
- * control points that takes longer than a frame. Nothing but a number is kept of one of few, which
+ * control points that takes longer than a frame. Nothing but numbers are kept of one of few, which
  * takes little time, and memory that counts beside a small volume. The field is always the same
  * one. Threads may share a cache.
  */
@@ -38,9 +38,9 @@ public:
   PacketField FindPacketField(const BSplineField& field, const Box& rest, const glm::ivec3& cells);
 
   /**
-   * For how many cells beyond the lattice of a field, at most `wanted`, D may go on linearly so
-   * that T, which is one to one, stays so, by the bounds of the field that does. None where that is
-   * not proven, or takes long.
+   * For how many cells beyond the lattice of a field, at most `wanted` and 8, D may go on linearly
+   * so that T, which is one to one, stays so, by the bounds of the field that does. None where that
+   * is not proven. Takes as long as to bound a lattice of so many control points.
    */
   glm::ivec3 FindProvenCells(const BSplineField& field, const glm::ivec3& wanted);
 

@@ -29,6 +29,16 @@ class TestRepresentation(unittest.TestCase):
     def displacements(self):
         return vtk_to_numpy(self.lattice.GetDisplacements()).reshape(6, 6, 6, 3)
 
+    def hear(self, event):
+        """The texts of the events of the representation from now on."""
+        texts = []
+
+        def on_event(_caller, _event, text):
+            texts.append(text)
+        on_event.CallDataType = "string0"
+        self.rep.AddObserver(event, on_event)
+        return texts
+
     def test_select_and_edit(self):
         rep = self.rep
         self.assertEqual(rep.SelectPoint(2, 2, 2), 1)
@@ -117,12 +127,7 @@ class TestRepresentation(unittest.TestCase):
 
     def test_moves_that_are_too_far(self):
         """What vtkFFDLattice refuses, the representation does, too, and the lattice goes on."""
-        errors = []
-
-        def on_error(_caller, _event, text):
-            errors.append(text)
-        on_error.CallDataType = "string0"
-        self.rep.AddObserver("ErrorEvent", on_error)
+        errors = self.hear("ErrorEvent")
         rep = self.rep
         rep.SelectPoint(2, 2, 2)
         rep.SelectPoint(3, 2, 2, REP.ADD)
@@ -143,12 +148,7 @@ class TestRepresentation(unittest.TestCase):
         self.assertFalse(errors)
 
     def test_events_carry_the_name(self):
-        names = []
-
-        def on_change(_caller, _event, name):
-            names.append(name)
-        on_change.CallDataType = "string0"
-        self.rep.AddObserver("WidgetValueChangedEvent", on_change)
+        names = self.hear("WidgetValueChangedEvent")
         self.rep.SelectPoint(0, 0, 0)
         self.rep.TranslateSelection(1, 0, 0)
         self.rep.Undo()
@@ -160,12 +160,7 @@ class TestRepresentation(unittest.TestCase):
             names, ["Translate", "Undo", "Redo", "Reset", "Set", "Material"])
 
     def test_errors_are_visible(self):
-        errors = []
-
-        def on_error(_caller, _event, text):
-            errors.append(text)
-        on_error.CallDataType = "string0"
-        self.rep.AddObserver("ErrorEvent", on_error)
+        errors = self.hear("ErrorEvent")
         self.assertEqual(self.rep.SelectPoint(9, 9, 9), 0)
         self.assertEqual(self.rep.TranslateSelection(float("nan"), 0, 0), 0)
         self.assertEqual(len(errors), 2)

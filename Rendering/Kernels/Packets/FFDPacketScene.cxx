@@ -33,7 +33,8 @@ constexpr int CellsOfUnknown = 4;
 /// Where a flat lattice, as of a plate, has cells of which so many make up that reach, more is done
 /// to know for how many.
 constexpr int ShortCells = 6;
-constexpr std::size_t FewControlPoints = 2000;
+/// Control points of larger ones, of which PullBackLimits::LinearCells tells.
+constexpr std::size_t LargestFlatLattice = 2000;
 
 /// Cells of a field that reach as far along each axis, data units.
 glm::ivec3 FindCellsOfReach(const BSplineField& field, double reach)
@@ -49,7 +50,7 @@ glm::ivec3 FindLinearCells(const CastScene& scene, FieldCache& cache)
   const int longest = std::max({ reach.x, reach.y, reach.z });
   const bool isFlat =
     longest >= ShortCells && longest > 2 * std::min({ reach.x, reach.y, reach.z });
-  if (isFlat && GridSize(field.GetNodes()) <= FewControlPoints)
+  if (isFlat && GridSize(field.GetNodes()) <= LargestFlatLattice)
   {
     return cache.FindProvenCells(field, reach);
   }
@@ -449,10 +450,10 @@ void SetPullBack(PacketScene& p)
   }
   const Box rest = FindRestBox(scene.Volume, scene.WholeAtRest);
   const Box restBounds = FindBounds(scene.Volume, rest);
-  // What goes on linearly may fold where D as it is does not, and lead Newton's method out of the
-  // volume: where T is known to be one to one, it must stay so.
   FieldCache own;
   FieldCache& cache = scene.KeptOfField ? *scene.KeptOfField : own;
+  // What goes on linearly may fold where D as it is does not, and lead Newton's method out of the
+  // volume: where T is known to be one to one, it must stay so.
   glm::ivec3 cells(0);
   if (InvertsTheField(p.Kind))
   {

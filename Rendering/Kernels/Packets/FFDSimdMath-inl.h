@@ -9,7 +9,6 @@
 #endif
 
 #include "FFDPacketVolume.h"
-#include "FFDRounding.h"
 
 #include <hwy/highway.h>
 
