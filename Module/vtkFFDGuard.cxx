@@ -10,6 +10,7 @@
 #include "vtkStreamingDemandDrivenPipeline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -237,4 +238,27 @@ int vtkFFDGuardedRequest(vtkObject* self, const char* where, vtkInformationVecto
       vtkStreamingDemandDrivenPipeline::COMBINED_UPDATE_EXTENT());
   }
   return result;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDIsInverseTolerance(vtkObject* self, double tolerance)
+{
+  const bool usable = std::isfinite(tolerance) && tolerance > 0.0;
+  if (!usable)
+  {
+    vtkErrorWithObjectMacro(
+      self, "SetInverseTolerance: the tolerance is " << tolerance << ". Give a positive distance.");
+  }
+  return usable;
+}
+
+//------------------------------------------------------------------------------
+bool vtkFFDIsInverseIterations(vtkObject* self, int iterations)
+{
+  if (iterations < 1)
+  {
+    vtkErrorWithObjectMacro(
+      self, "SetInverseIterations: the number is " << iterations << ". Give 1 or more.");
+  }
+  return iterations >= 1;
 }

@@ -48,6 +48,13 @@ Result vtkFFDGuarded(vtkObject* self, const char* where, Result failure, const W
 VTKFFDCORE_EXPORT int vtkFFDGuardedRequest(vtkObject* self, const char* where,
   vtkInformationVector* outputs, const std::function<int()>& work);
 
+///@{
+/// Whether an inverse can be found with such a tolerance, and so many iterations; an error of
+/// `self` where it cannot.
+VTKFFDCORE_EXPORT bool vtkFFDIsInverseTolerance(vtkObject* self, double tolerance);
+VTKFFDCORE_EXPORT bool vtkFFDIsInverseIterations(vtkObject* self, int iterations);
+///@}
+
 /**
  * The definition of ProcessRequest() of an algorithm, which all that a pipeline asks of it goes
  * through: that of the superclass, guarded. An exception makes the request fail.

@@ -800,13 +800,18 @@ void vtkFFDLattice::SetDisplacementScale(double scale)
 //------------------------------------------------------------------------------
 void vtkFFDLattice::SetInverseTolerance(double tolerance)
 {
-  if (!std::isfinite(tolerance) || !(tolerance > 0.0))
+  if (vtkFFDIsInverseTolerance(this, tolerance))
   {
-    vtkErrorMacro(
-      "SetInverseTolerance: the tolerance is " << tolerance << ". Give a positive distance.");
-    return;
+    this->FollowInverse();
+    this->Superclass::SetInverseTolerance(tolerance);
   }
-  this->Superclass::SetInverseTolerance(tolerance);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDLattice::SetBorderMode(int mode)
+{
+  this->FollowInverse();
+  this->Superclass::SetBorderMode(mode);
 }
 
 //------------------------------------------------------------------------------
@@ -822,6 +827,7 @@ void vtkFFDLattice::ShallowCopy(vtkFFDLattice* other)
     return;
   }
   other->FollowInverse();
+  this->FollowInverse();
   this->Lattice->Image = other->Lattice->Image;
   this->Lattice->Array = other->Lattice->Array;
   this->Lattice->Connect(this);
@@ -873,6 +879,10 @@ void vtkFFDLattice::InternalDeepCopy(vtkAbstractTransform* transform)
   // vtkAbstractTransform::DeepCopy lets nothing but lattices through.
   vtkFFDLattice* other = vtkFFDLattice::SafeDownCast(transform);
   other->FollowInverse();
+  if (this->MayBeInverse && other != this->GetInverse()) // with which Update() calls this
+  {
+    this->FollowInverse();
+  }
   vtkFFDGuard(this, "DeepCopy", [&] {
     RequireMemory(other->Lattice->GetNodes());
     this->Lattice->SetValue(this, vtkFFDGetLatticeValue(other));

@@ -21,7 +21,7 @@
  * continuation to InverseTolerance (see ffd::SolveInverse): it converges also for strong
  * deformations. Where T folds, the inverse is one of several points or, in the end, the first-order
  * point 2P - T(P) of equation (3) of the paper; never NaN for finite input. What GetInverse() gives
- * follows this lattice, as any inverse in VTK: an edit of it holds until this lattice is edited.
+ * follows this lattice, as any inverse in VTK: what is set in it holds until this lattice is edited.
  *
  * Editing: SetDisplacement() and SetControlPoint() for single points; GetDisplacements() is the
  * array itself, for numpy:
@@ -248,11 +248,14 @@ public:
   /**
    * As in the superclasses: the factor on the deformation as a whole, and the largest error of the
    * inverse in data units. Not finite values are refused; the tolerance must be positive. Defaults:
-   * 1 and 1e-6.
+   * 1 and 1e-6. SetInverseIterations() has no effect: the search for the inverse ends by itself.
    */
   void SetDisplacementScale(double scale) override;
   void SetInverseTolerance(double tolerance) override;
   ///@}
+
+  /// As in the superclass; what is set in an inverse, as of GetInverse(), is kept.
+  void SetBorderMode(int mode) override;
 
   /// Share the control points of another lattice: an edit of one is seen by both, until one gets
   /// another number of control points, or those of a third lattice or a transform. Then each has

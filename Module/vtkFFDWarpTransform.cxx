@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDWarpTransform.h"
 
+#include "vtkFFDGuard.h"
 #include "vtkFFDWarpKernel.h"
 
 namespace
@@ -78,6 +79,24 @@ vtkFFDWarpTransform::~vtkFFDWarpTransform() = default;
 void vtkFFDWarpTransform::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDWarpTransform::SetInverseTolerance(double tolerance)
+{
+  if (vtkFFDIsInverseTolerance(this, tolerance))
+  {
+    this->Superclass::SetInverseTolerance(tolerance);
+  }
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDWarpTransform::SetInverseIterations(int iterations)
+{
+  if (vtkFFDIsInverseIterations(this, iterations))
+  {
+    this->Superclass::SetInverseIterations(iterations);
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -23,6 +23,15 @@ public:
   vtkTypeMacro(vtkFFDWarpTransform, vtkWarpTransform);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
+  ///@{
+  /**
+   * As in the superclass, but a tolerance that is not finite and positive, and iterations below 1,
+   * are refused with an error.
+   */
+  void SetInverseTolerance(double tolerance) override;
+  void SetInverseIterations(int iterations) override;
+  ///@}
+
 protected:
   vtkFFDWarpTransform();
   ~vtkFFDWarpTransform() override;

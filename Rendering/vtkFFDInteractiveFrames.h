@@ -26,7 +26,9 @@
  * GetEventPending() knows of it; otherwise call Abort().
  *
  * Not for programs without an event loop, which would get coarse pictures: there each frame is to
- * be what it is asked to be. RenderStill() makes a still frame at once, for a screenshot.
+ * be what it is asked to be. RenderStill() makes a still frame at once, for a screenshot by
+ * vtkWindowToImageFilter, which is not to render itself (ShouldRerenderOff()). For a scaled one it
+ * has to: SetInteractor(nullptr) before, and the interactor again after it.
  *
  * @sa
  * vtkFFDInverseRayVolumeMapper::GetExpectedStillTime vtkRenderWindow::CheckAbortStatus

@@ -38,6 +38,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <vector>
 
 vtkStandardNewMacro(vtkFFDTransformWriter);
@@ -77,11 +78,12 @@ ffd::TransformGrid GetGrid(vtkImageData* image)
 std::string DescribeInverse(vtkAbstractTransform* transform)
 {
   return "the " + std::string(transform->GetClassName()) +
-    " is inverted (InverseFlag), which no file can say; fit a lattice to it with vtkFFDFitLattice";
+    " is inverted (InverseFlag), which only a .vti of a spline can say; fit a lattice to it with "
+    "vtkFFDFitLattice";
 }
 
-/// A B-spline as a step; empty when it can be one, else the reason.
-std::string MakeSplineStep(vtkBSplineTransform* spline, ffd::TransformStep& step)
+/// A B-spline, not of its inverse, as a step; empty when it can be one, else the reason.
+std::string MakeSplineStep(vtkBSplineTransform* spline, bool mayBeInverse, ffd::TransformStep& step)
 {
   ffd::BSplineField field;
   bool inverse = false;
@@ -90,7 +92,7 @@ std::string MakeSplineStep(vtkBSplineTransform* spline, ffd::TransformStep& step
   {
     return error;
   }
-  if (inverse)
+  if (inverse && !mayBeInverse)
   {
     return DescribeInverse(spline);
   }
@@ -196,15 +198,17 @@ std::string FindStepProblem(const ffd::TransformStep& step)
   return ffd::IsSingular(step) ? "its matrix is singular" : "";
 }
 
-/// The chain of steps of a transform, first applied first; empty, or why there is none.
-std::string MakeSteps(vtkAbstractTransform* transform, std::vector<ffd::TransformStep>& steps)
+/// The chain of steps of a transform, first applied first; empty, or why there is none. A spline
+/// that may be an inverse is a step as if it were none.
+std::string MakeSteps(
+  vtkAbstractTransform* transform, bool mayBeInverse, std::vector<ffd::TransformStep>& steps)
 {
   transform->Update();
   if (auto* general = vtkGeneralTransform::SafeDownCast(transform))
   {
     for (int i = 0; i < general->GetNumberOfConcatenatedTransforms(); ++i)
     {
-      const std::string problem = MakeSteps(general->GetConcatenatedTransform(i), steps);
+      const std::string problem = MakeSteps(general->GetConcatenatedTransform(i), false, steps);
       if (!problem.empty())
       {
         return problem;
@@ -216,7 +220,7 @@ std::string MakeSteps(vtkAbstractTransform* transform, std::vector<ffd::Transfor
   std::string problem;
   if (auto* spline = vtkBSplineTransform::SafeDownCast(transform))
   {
-    problem = MakeSplineStep(spline, step);
+    problem = MakeSplineStep(spline, mayBeInverse, step);
   }
   else if (auto* low = vtkFFDSplineTransform::SafeDownCast(transform))
   {
@@ -406,6 +410,10 @@ std::string FormatLattice(vtkBSplineTransform* spline, std::string& text)
     lattice->SetBorderMode(spline->GetBorderMode());
     lattice->SetDisplacementScale(spline->GetDisplacementScale());
     lattice->FromImageData(spline->GetCoefficientData());
+    if (spline->GetInverseFlag() != 0)
+    {
+      lattice->Inverse();
+    }
   }
   vtkNew<vtkImageData> image;
   vtkNew<vtkXMLImageDataWriter> writer;
@@ -669,11 +677,11 @@ std::string vtkFFDTransformWriter::FormatField(int format, const ffd::TransformG
   {
     const bool detached =
       vtksys::SystemTools::LowerCase(vtksys::SystemTools::GetFilenameLastExtension(name)) == ".mhd";
-    std::string plain = vtksys::SystemTools::GetFilenameWithoutLastExtension(name) + ".raw";
+    const std::filesystem::path path(name); // vtksys takes a backslash for a slash
+    std::string plain = path.stem().string() + ".raw";
     if (detached && ffd::CanNameDataFile(plain))
     {
-      const std::string folder = vtksys::SystemTools::GetFilenamePath(name);
-      dataName = folder.empty() ? plain : folder + "/" + plain;
+      dataName = (path.parent_path() / plain).string();
     }
     else
     {
@@ -690,7 +698,7 @@ std::string vtkFFDTransformWriter::FormatSteps(
   int format, const ffd::TransformGrid& reference, std::string& head)
 {
   std::vector<ffd::TransformStep> steps;
-  const std::string problem = MakeSteps(this->Transform, steps);
+  const std::string problem = MakeSteps(this->Transform, format == LATTICE, steps);
   if (!problem.empty())
   {
     return problem;

@@ -20,14 +20,14 @@
  *   between the points is interpolated linearly by those who read it, see FieldTolerance. The data
  *   of an .mhd are in a .raw file of the same name, or in the .mhd itself where MetaImage cannot
  *   name that file (a name with %, one that begins with LIST or a blank).
- * - LATTICE (.vti): a vtkFFDLattice or vtkBSplineTransform as the image of its control points, in
- *   VTK's data coordinates, never turned.
+ * - LATTICE (.vti): a vtkFFDLattice or vtkBSplineTransform, or the inverse of one, as the image of
+ *   its control points, in VTK's data coordinates, never turned.
  *
  * Nothing is written of a transform with numbers that are not finite, in texts and lattices also
- * none with numbers that exceed 1e12 or with a singular matrix. Transforms that are inverted, and
- * grids that are interpolated cubically or by the nearest, have no form in texts: invert by fitting
- * a lattice first (vtkFFDFitLattice). A spline that is not zero outside of its grid
- * (VTK_BSPLINE_EDGE) is so for ITK, which does not deform there.
+ * none with numbers that exceed 1e12, spacings below 1e-12 or a singular matrix. Transforms that
+ * are inverted, and grids that are interpolated cubically or by the nearest, have no form in texts:
+ * invert by fitting a lattice first (vtkFFDFitLattice). A spline that is not zero outside of its
+ * grid (VTK_BSPLINE_EDGE) is so for ITK, which does not deform there.
  *
  * @sa vtkFFDTransformReader vtkFFDLattice vtkFFDFitLattice
  */
@@ -76,8 +76,8 @@ public:
   ///@{
   /**
    * The file. It appears under its name when it is complete: after an error (a full disk, too) an
-   * existing one is as it was. A link is followed; what is no regular file is not replaced.
-   * Default: none.
+   * existing one is as it was. A link is followed, also to where no file is yet; what is no regular
+   * file is not replaced. Default: none.
    */
   vtkSetFilePathMacro(FileName);
   vtkGetFilePathMacro(FileName);

@@ -29,6 +29,32 @@ namespace
 constexpr int LargestDimension = 64;
 constexpr double LargestNumberOfSteps = 1e7;
 
+/// Of all that is set: energies are products of some of them.
+constexpr double LargestNumber = 1e50;
+
+/// Of the masses: a lattice, which interpolates it, can have 1e100.
+constexpr double LargestDisplacement = 1e98;
+
+/// False for what is not a number, too.
+bool AreWithin(double limit, double x, double y, double z)
+{
+  return std::abs(x) <= limit && std::abs(y) <= limit && std::abs(z) <= limit;
+}
+
+/// Whether a lattice can have the displacements, and numbers the energy of motion and springs.
+bool IsUsable(const ffd::BodySolver& body)
+{
+  for (std::size_t i = 0; i < body.GetSize(); ++i)
+  {
+    const glm::dvec3 move = body.Positions[i] - body.Rest[i];
+    if (!AreWithin(LargestDisplacement, move.x, move.y, move.z))
+    {
+      return false;
+    }
+  }
+  return std::isfinite(body.GetKineticEnergy() + body.GetElasticEnergy());
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -113,7 +139,7 @@ void vtkFFDMassSpring::BodyChanged()
 //------------------------------------------------------------------------------
 bool vtkFFDMassSpring::SetNumber(double& member, double value, bool usable, const char* name)
 {
-  if (!std::isfinite(value) || !usable)
+  if (!AreWithin(LargestNumber, value, 0.0, 0.0) || !usable)
   {
     vtkErrorMacro("Set" << name << ": " << value << " is out of range; " << member
                         << " stays. See the documentation of " << name << ".");
@@ -131,10 +157,10 @@ bool vtkFFDMassSpring::SetNumber(double& member, double value, bool usable, cons
 //------------------------------------------------------------------------------
 bool vtkFFDMassSpring::SetVector(double member[3], double x, double y, double z, const char* name)
 {
-  if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z))
+  if (!AreWithin(LargestNumber, x, y, z))
   {
     vtkErrorMacro("Set" << name << ": (" << x << ", " << y << ", " << z
-                        << ") is not finite. Give finite numbers.");
+                        << ") is not finite or exceeds 1e50. Give other numbers.");
     return false;
   }
   if (member[0] == x && member[1] == y && member[2] == z)
@@ -281,7 +307,7 @@ void vtkFFDMassSpring::SetFloorOrigin(double x, double y, double z)
 //------------------------------------------------------------------------------
 void vtkFFDMassSpring::SetFloorNormal(double x, double y, double z)
 {
-  const double length = std::sqrt(x * x + y * y + z * z);
+  const double length = std::hypot(x, y, z);
   if (!(length > 0.0) || !std::isfinite(length))
   {
     vtkErrorMacro("SetFloorNormal: (" << x << ", " << y << ", " << z
@@ -411,6 +437,12 @@ bool vtkFFDMassSpring::Prepare()
       const glm::dvec3 r = solver.Positions[i] - center;
       solver.Velocities[i] =
         velocity + glm::dvec3(w.y * r.z - w.z * r.y, w.z * r.x - w.x * r.z, w.x * r.y - w.y * r.x);
+    }
+    if (!IsUsable(solver))
+    {
+      vtkErrorMacro("The body cannot start: with its Mass and stiffness, the displacements of the "
+                    "lattice, InitialVelocity or InitialSpin are too large.");
+      return false;
     }
     body.Loads.Pinned.assign(size, 0);
     if (body.KeptPins.size() == size)
@@ -575,10 +607,10 @@ bool vtkFFDMassSpring::IsPinned(int i, int j, int k)
 //------------------------------------------------------------------------------
 void vtkFFDMassSpring::SetHandle(int i, int j, int k, double x, double y, double z)
 {
-  if (!std::isfinite(x) || !std::isfinite(y) || !std::isfinite(z))
+  if (!AreWithin(LargestNumber, x, y, z))
   {
-    vtkErrorMacro(
-      "SetHandle: (" << x << ", " << y << ", " << z << ") is not finite. Give a position.");
+    vtkErrorMacro("SetHandle: (" << x << ", " << y << ", " << z
+                                 << ") is not finite or exceeds 1e50. Give a position.");
     return;
   }
   const vtkIdType id = this->FindPoint(i, j, k, "SetHandle");
@@ -614,10 +646,10 @@ void vtkFFDMassSpring::ReleaseHandle()
 //------------------------------------------------------------------------------
 void vtkFFDMassSpring::SetForce(int i, int j, int k, double fx, double fy, double fz)
 {
-  if (!std::isfinite(fx) || !std::isfinite(fy) || !std::isfinite(fz))
+  if (!AreWithin(LargestNumber, fx, fy, fz))
   {
-    vtkErrorMacro(
-      "SetForce: (" << fx << ", " << fy << ", " << fz << ") is not finite. Give a force.");
+    vtkErrorMacro("SetForce: (" << fx << ", " << fy << ", " << fz
+                                << ") is not finite or exceeds 1e50. Give a force.");
     return;
   }
   const vtkIdType id = this->FindPoint(i, j, k, "SetForce");
@@ -687,12 +719,7 @@ bool vtkFFDMassSpring::Advance(int count)
     bool ok = true;
     for (int i = 0; i < count && ok; ++i)
     {
-      ok = body.Solver->Step(this->TimeStep, loads);
-      for (const glm::dvec3& position : body.Solver->Positions)
-      {
-        ok =
-          ok && std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
-      }
+      ok = body.Solver->Step(this->TimeStep, loads) && IsUsable(*body.Solver);
       body.Steps += ok ? 1 : 0;
     }
     if (!ok)
@@ -719,18 +746,14 @@ int vtkFFDMassSpring::SolveEquilibrium()
       return 0;
     }
     const std::vector<glm::dvec3> before = this->Body->Solver->Positions;
-    bool ok = this->Body->Solver->Settle(this->Body->Loads);
-    for (const glm::dvec3& position : this->Body->Solver->Positions)
-    {
-      ok =
-        ok && std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
-    }
-    if (!ok)
+    const std::vector<glm::dvec3> velocities = this->Body->Solver->Velocities;
+    if (!this->Body->Solver->Settle(this->Body->Loads) || !IsUsable(*this->Body->Solver))
     {
       this->Body->Solver->Positions = before;
+      this->Body->Solver->Velocities = velocities;
       vtkErrorMacro(
         "SolveEquilibrium: nothing holds the body, or part of it. Pin three points or more "
-        "that are not on a line.");
+        "that are not on a line. Or forces are too large for the stiffness.");
       return 0;
     }
     this->UpdateLattice();

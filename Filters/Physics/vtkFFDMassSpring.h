@@ -20,7 +20,9 @@
  *
  * Units are those of the user, consistent: with data in mm and seconds, gravity is 9810. Mass is
  * that of the whole body: in equal shares for springs, an eighth of each cell's to its corners for
- * a solid. Stiffness of springs is force per length, per spring.
+ * a solid. Stiffness of springs is force per length, per spring. Setters refuse numbers that are
+ * out of range, not finite or beyond 1e50; a step whose positions or energies are no numbers any
+ * more is an error, and starts the body again.
  *
  * Two ways to use it. Interactive: Step() in a timer, then render with GetLattice() as the mapper's
  * deformation; drag with SetHandle(). As a source: the output is the image of the control points

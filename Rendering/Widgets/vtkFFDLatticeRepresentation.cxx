@@ -630,6 +630,7 @@ void vtkFFDLatticeRepresentation::CancelInteraction()
   {
     in.Ended = true;
     this->InteractionState = Outside;
+    in.Load();
     if (in.Editor.IsEditing())
     {
       in.Editor.Rollback();

@@ -536,7 +536,8 @@ public:
    * A drag. StartWidgetInteraction() takes hold of what ComputeInteractionState() found: the handle
    * or the selection (of which the point found must be part), or in VOLUME mode what PickSurface()
    * finds; StartRegion() begins a rubber band instead. GetInteractionState() tells what became of
-   * it. CancelInteraction() puts everything back. Display coordinates. Without a renderer in a
+   * it. CancelInteraction() puts back what the drag has moved. What others set meanwhile stays only
+   * of control points that the drag does not move. Display coordinates. Without a renderer in a
    * window (SetRenderer()) no drag starts, and one that has started moves nothing more.
    */
   void StartWidgetInteraction(double position[2]) override;

@@ -225,6 +225,41 @@ TEST(LatticeEditor, StepsOfAnEditDoNotAddUp)
   EXPECT_EQ(editor.GetHistory().GetNumberOfUndos(), 1u);
 }
 
+TEST(LatticeEditor, WhatAnEditDoesNotMoveIsNoPartOfIt)
+{
+  for (const bool commits : { true, false })
+  {
+    LatticeEditor editor = MakeEditor();
+    Select(editor, 2, 2, 2);
+    EXPECT_TRUE(editor.Begin("Translate"));
+    editor.GrabPoints(editor.GetSelected(), editor.GetActive());
+    const auto set = [&editor](int i, double x) {
+      Lattice lattice = editor.GetLattice();
+      lattice.Net.Values[Point(editor, i, 2, 2)].x = x;
+      EXPECT_FALSE(editor.SetLattice(lattice));
+    };
+    set(2, 1.0); // not moved yet
+    editor.TranslateGrabbed({ 0.0, 1.0, 0.0 });
+    set(1, 3.0);
+    set(2, 7.0);
+    editor.TranslateGrabbed({ 0.0, 2.0, 0.0 });
+    EXPECT_EQ(Displacement(editor, 2, 2, 2), glm::dvec3(1.0, 2.0, 0.0));
+    EXPECT_EQ(Displacement(editor, 1, 2, 2).x, 3.0);
+    if (commits)
+    {
+      EXPECT_TRUE(editor.Commit());
+      EXPECT_EQ(editor.GetChangedPoints(), std::vector<std::size_t>{ Point(editor, 2, 2, 2) });
+      EXPECT_TRUE(editor.Undo());
+    }
+    else
+    {
+      editor.Rollback();
+    }
+    EXPECT_EQ(Displacement(editor, 2, 2, 2), glm::dvec3(1.0, 0.0, 0.0));
+    EXPECT_EQ(Displacement(editor, 1, 2, 2).x, 3.0);
+  }
+}
+
 TEST(LatticeEditor, AnotherLatticeEndsTheEdit)
 {
   for (int nodes : { 4, 9 })

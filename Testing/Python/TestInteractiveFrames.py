@@ -7,9 +7,11 @@ import time
 import unittest
 
 import ffdinput
+import numpy as np
 import vtkffd
 import vtkmodules.vtkInteractionStyle  # noqa: F401
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_DOUBLE_MAX
 from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
 from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
@@ -18,6 +20,7 @@ from vtkmodules.vtkRenderingCore import (
     vtkRenderWindow,
     vtkRenderWindowInteractor,
     vtkVolume,
+    vtkWindowToImageFilter,
 )
 from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
 from vtkmodules.vtkRenderingUI import vtkGenericRenderWindowInteractor
@@ -103,6 +106,26 @@ class InteractiveFrames(unittest.TestCase):
         frames.SetInteractor(interactor)
         frames.RenderStill()
         self.assertEqual(len(rendered), 1)
+
+    def test_screenshots(self):
+        """As the header says: the picture that the window has without coarse frames."""
+        def shoot(scale, renders=True):
+            to_image = vtkWindowToImageFilter()
+            to_image.SetInput(self.window)
+            to_image.SetScale(scale)
+            to_image.ReadFrontBufferOff()
+            to_image.SetShouldRerender(renders)
+            to_image.Update()
+            return vtk_to_numpy(to_image.GetOutput().GetPointData().GetScalars()).astype(int)
+
+        self.frames.SetInteractor(None)
+        expected = {scale: shoot(scale) for scale in (1, 2)}
+        self.frames.SetInteractor(self.interactor)
+        self.frames.RenderStill()
+        np.testing.assert_array_equal(shoot(1, renders=False), expected[1])
+        self.assertGreater(np.abs(shoot(1) - expected[1]).max(), 0)  # a coarse one
+        self.frames.SetInteractor(None)
+        np.testing.assert_array_equal(shoot(2), expected[2])
 
     def test_volume_that_goes(self):
         """A window that shows no volume of ours any more is drawn once, not for ever."""

@@ -105,10 +105,15 @@ class TestLattice(unittest.TestCase):
             "FromImageData": lambda g: g.FromImageData(image),
             "FitToTransform": lambda g: g.FitToTransform(source, (0, 9, 0, 9, 0, 9), 0.1, 4),
             "SetDisplacementScale": lambda g: g.SetDisplacementScale(0.5),
+            "SetInverseTolerance": lambda g: g.SetInverseTolerance(0.25),
+            "SetBorderMode": lambda g: g.SetBorderModeToZero(),
+            "ShallowCopy": lambda g: g.ShallowCopy(source),
+            "DeepCopy": lambda g: g.DeepCopy(source),
         }
 
         def look(g):
             return (g.GetDimensions(), g.GetDomain(), g.GetDisplacementScale(),
+                    g.GetInverseTolerance(), g.GetBorderMode(),
                     vtk_to_numpy(g.GetDisplacements()).tolist())
 
         for name, edit in edits.items():

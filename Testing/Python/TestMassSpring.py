@@ -362,6 +362,56 @@ class TestMassSpring(unittest.TestCase):
                 self.assertEqual(body.Step(1), 1)
                 np.testing.assert_allclose(displacements(body), displacements(expected), atol=1e-12)
 
+    def test_numbers_that_are_too_large(self):
+        """Refused, or an error of the step; never energies that are no numbers."""
+        for elastic in (False, True):
+            body = make_body(elastic=elastic)
+            errors = []
+
+            def record(_caller, _event, message, to=errors):
+                to.append(message)
+
+            record.CallDataType = "string0"
+            body.AddObserver("ErrorEvent", record)
+            body.PinLayer(0, 1)
+            for name, arguments in (
+                    ("Mass", ()), ("StructuralStiffness", ()), ("ShearStiffness", ()),
+                    ("BendStiffness", ()), ("YoungModulus", ()), ("Damping", ()), ("TimeStep", ()),
+                    ("FloorFriction", ()), ("Duration", ()), ("Gravity", (0, 0)),
+                    ("InitialVelocity", (0, 0)), ("InitialSpin", (0, 0)), ("FloorOrigin", (0, 0))):
+                before = getattr(body, "Get" + name)()
+                getattr(body, "Set" + name)(1e300, *arguments)
+                self.assertIn("Set" + name, errors.pop())
+                self.assertEqual(getattr(body, "Get" + name)(), before)
+            body.SetHandle(2, 2, 2, 0.0, 1e300, 0.0)
+            self.assertIn("SetHandle", errors.pop())
+            body.SetForce(2, 2, 2, 0.0, 1e300, 0.0)
+            self.assertIn("SetForce", errors.pop())
+            body.SetFloorNormal(0.0, 1e300, 0.0)
+            self.assertEqual(body.GetFloorNormal(), (0.0, 1.0, 0.0))
+            self.assertEqual(body.Step(3), 1)
+            self.assertEqual(errors, [])
+            # Not too large by themselves.
+            body.SetMass(1e-300)
+            body.SetForce(2, 2, 2, 0.0, 1e50, 0.0)
+            done = body.Step(3)
+            self.assertEqual(len(errors), 1 - done)
+            self.assertTrue(np.isfinite(body.GetTotalEnergy()))
+            self.assertLessEqual(np.abs(displacements(body)).max(), 1e100)
+            del errors[:]
+            body.SetMass(1e50)
+            body.SetInitialVelocity(1e50, 0.0, 0.0)
+            body.SetTimeStep(1e50)
+            for kind in ("Structural", "Shear", "Bend"):
+                getattr(body, "Set" + kind + "Stiffness")(0.0)
+            body.SetYoungModulus(1e-300)
+            self.assertEqual(body.Step(), 0)
+            self.assertIn("cannot be computed", errors.pop())
+            self.assertTrue(np.isfinite(body.GetTotalEnergy()))
+            body.GetInputLattice().SetDisplacement(2, 2, 2, 1e99, 0.0, 0.0)
+            self.assertEqual(body.Step(), 0)
+            self.assertIn("cannot start", errors.pop())
+
     def test_bad_input_is_named(self):
         body = make_body()
         errors = []

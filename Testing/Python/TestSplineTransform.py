@@ -176,6 +176,25 @@ class TestSplineTransform(unittest.TestCase):
         spline.SetDisplacementGrid(None)
         np.testing.assert_array_equal(spline.TransformPoint(1.0, 2.0, 3.0), (1, 2, 3))
 
+    def test_how_inverses_are_found(self):
+        for transform in (make_spline(2, make_lattice(1)), make_sum(), vtkffd.vtkFFDBarrTransform(),
+                          vtkffd.vtkFFDRayDeflector()):
+            with self.subTest(transform.GetClassName()):
+                errors = Errors(transform)
+                transform.SetInverseTolerance(0.125)
+                transform.SetInverseIterations(7)
+                time = transform.GetMTime()
+                for value in (np.nan, np.inf, -1.0, 0.0):
+                    transform.SetInverseTolerance(value)
+                    self.assertIn("SetInverseTolerance: the tolerance is", errors.messages.pop())
+                for value in (-5, 0):
+                    transform.SetInverseIterations(value)
+                    self.assertIn("SetInverseIterations: the number is %d" % value,
+                                  errors.messages.pop())
+                self.assertEqual(transform.GetInverseTolerance(), 0.125)
+                self.assertEqual(transform.GetInverseIterations(), 7)
+                self.assertEqual(transform.GetMTime(), time)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -310,7 +310,7 @@ class TestTransformReader(unittest.TestCase):
                 ("spacings: 2 3 4\n", "one number for each"),
                 ("spacings: nan 2 3 4 5\n", "one number for each"),
                 (spacings + "axis mins: nan x 2 3\n", "one number for each"),
-                ("spacings: nan 2 0 4\n", "not positive"), ("spacings: nan 2 inf 4\n", "")):
+                ("spacings: nan 2 0 4\n", "is 0, not from 1e-12"), ("spacings: nan 2 inf 4\n", "")):
             with self.subTest(fields):
                 self.check_refused("axes.nrrd", (start % fields).encode() + vectors.tobytes(), expected)
 
@@ -664,7 +664,7 @@ class TestTransformReader(unittest.TestCase):
                 (good.replace("4 4 4 -1", "4 4 3 -1"), "3 nodes along axis 2"),
                 (good.replace("4 4 4 -1", "100000 100000 100000 -1"), "100000 nodes"),
                 (good.replace("4 4 4 -1", "4 4 4.5 -1"), "no positive integer"),
-                (good.replace("-1 -1 -1 1 1 1", "-1 -1 -1 1 0 1"), "not positive"),
+                (good.replace("-1 -1 -1 1 1 1", "-1 -1 -1 1 0 1"), "is 0, not from 1e-12"),
                 (good.replace("1 0 0 0 1 0 0 0 1", "1 0 0 0 1 0 0 1 1"), "orthonormal"),
                 (good + good.split("\n", 1)[1], "no CompositeTransform"),
                 (good + "Parameters: 1\n", "two lines of Parameters"),

@@ -373,6 +373,29 @@ class TestTransformWriter(unittest.TestCase):
         for name in ("whole/pipe.tfm", "whole/folder.tfm"):
             self.assertIn("no regular file", write(name, lattice))
 
+    def test_a_backslash_is_a_letter(self):
+        for name in ("back\\slash.mhd", "back\\slash.mha", "back\\slash.tfm"):
+            self.assertIsNone(write(name, make_lattice(), make_reference()))
+            self.assertTrue(os.path.isfile(os.path.join(TEMPORARY, name)))
+            self.assertIsNotNone(read(name)[0])
+
+    def test_inverted_lattices(self):
+        """As images of their control points."""
+        lattice = make_lattice()
+        spline = vtkBSplineTransform()
+        image = vtkImageData()
+        lattice.ToImageData(image)
+        spline.SetCoefficientData(image)
+        spline.SetBorderMode(lattice.GetBorderMode())
+        turned = vtkffd.vtkFFDLattice()
+        turned.DeepCopy(lattice)
+        turned.Inverse()
+        for inverse in (lattice.GetInverse(), turned, spline.GetInverse()):
+            self.assertIsNone(write("inverse.vti", inverse))
+            found = read("inverse.vti")[0]
+            np.testing.assert_array_equal(apply(found), apply(turned))
+            self.assertIn(".vti", write("inverse.tfm", inverse))
+
     def test_format_overrides_the_name(self):
         writer = vtkffd.vtkFFDTransformWriter
         self.assertIsNone(write("w.dat", make_lattice(), file_format=writer.ITK_TEXT))
@@ -399,6 +422,10 @@ class TestTransformWriter(unittest.TestCase):
         chain = vtkGeneralTransform()
         chain.Concatenate(lattice)
         self.assertIn("one spline", write("w.vti", chain))
+        small = vtkffd.vtkFFDLattice()
+        small.SetDomain(0, 1e-13, 0, 1, 0, 1)
+        for name in ("w.tfm", "w.vti"):
+            self.assertIn("axis 0 is 1e-13, not from 1e-12", write(name, small))
         for _ in range(64):
             chain.Concatenate(make_lattice())
         self.assertIn("64", write("w.tfm", chain))

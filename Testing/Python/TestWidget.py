@@ -223,6 +223,40 @@ class TestWidget(unittest.TestCase):
         self.assertEqual(self.widget.Perform(WIDGET.RedoEdit), 1)
         self.assertFalse(self.lattice.IsIdentity())
 
+    def test_others_edit_during_a_drag(self):
+        """What the drag does not move keeps what it is given, also when the drag is undone or cancelled."""
+        def displacement(*point):
+            found = [0.0] * 3
+            self.lattice.GetDisplacement(*point, found)
+            return found
+
+        other = REP()
+        other.SetLattice(self.lattice)
+        other.SelectPoint(1, 2, 0)
+        for number, end in enumerate(("Undo", "CancelInteraction"), 1):
+            x, y = self.display(3, 3, 3)
+            self.send("MouseMoveEvent", x, y)
+            self.send("LeftButtonPressEvent", x, y)
+            self.lattice.SetDisplacement(2, 2, 2, 0, number, 0)
+            self.send("MouseMoveEvent", x - 10, y - 10)
+            self.lattice.SetDisplacement(1, 1, 1, 0, 0, number)
+            self.assertEqual(other.TranslateSelection(1, 0, 0), 1)
+            self.lattice.SetDisplacement(3, 3, 3, 9, 9, 9) # moved by the drag
+            if end == "Undo":
+                self.send("MouseMoveEvent", x - 30, y - 20)
+                self.assertEqual(self.display(3, 3, 3), [x - 30, y - 20])
+                self.send("LeftButtonReleaseEvent", x - 30, y - 20)
+                changed = vtkIdTypeArray()
+                self.rep.GetChangedPoints(changed)
+                numpy.testing.assert_array_equal(vtk_to_numpy(changed), [63])
+            getattr(self.rep, end)()
+            self.assertEqual(displacement(3, 3, 3), [0, 0, 0])
+            self.assertEqual(displacement(2, 2, 2), [0, number, 0])
+            self.assertEqual(displacement(1, 1, 1), [0, 0, number])
+            self.assertEqual(displacement(1, 2, 0), [number, 0, 0])
+        self.assertEqual(other.Undo(), 1)
+        self.assertEqual(displacement(1, 2, 0), [1, 0, 0])
+
     def test_it_is_off_before_the_highlight_goes(self):
         """ParaView turns a widget off that it finds on when its representation changes."""
         x, y = self.display(3, 3, 3)

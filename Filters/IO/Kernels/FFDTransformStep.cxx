@@ -47,7 +47,9 @@ std::string FindGridProblem(const TransformGrid& grid, int smallest)
     }
     if (!(grid.Spacing[a] >= 1.0 / LargestNumber && grid.Spacing[a] <= LargestNumber))
     {
-      return "the spacing of the grid along axis " + std::to_string(a) + " is not positive";
+      std::string text = "the spacing of the grid along axis " + std::to_string(a) + " is ";
+      AppendNumber(text, grid.Spacing[a]);
+      return text + ", not from 1e-12 to 1e12";
     }
     if (!(std::abs(grid.Origin[a]) <= LargestNumber))
     {

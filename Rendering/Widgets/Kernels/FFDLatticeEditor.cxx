@@ -56,6 +56,13 @@ bool LatticeEditor::SetLattice(Lattice lattice)
   {
     this->Clear();
   }
+  for (std::size_t p = 0; this->EditIsOpen && p < this->Moved.size(); ++p)
+  {
+    if (!this->Moved[p])
+    {
+      this->StartDisplacements[p] = this->Edited.Net.Values[p];
+    }
+  }
   return differs;
 }
 
@@ -207,6 +214,7 @@ bool LatticeEditor::Begin(const std::string& name)
   this->EditIsOpen = true;
   this->EditName = name;
   this->StartDisplacements = this->Edited.Net.Values;
+  this->Moved.assign(this->GetNumberOfPoints(), 0);
   return true;
 }
 
@@ -339,6 +347,7 @@ void LatticeEditor::ApplyChanges(std::vector<glm::dvec3>& changes)
       return;
     }
     values[p] += changes[p];
+    this->Moved[p] = this->Moved[p] || changes[p] != glm::dvec3(0.0);
   }
   if (!this->Options.StopsAtFolds)
   {

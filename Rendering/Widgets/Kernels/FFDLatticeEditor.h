@@ -63,7 +63,8 @@ public:
 
   /**
    * Takes over the lattice as it is now. Other dimensions than before empty the selection and the
-   * history and end an open edit. Returns whether they did.
+   * history and end an open edit. Returns whether they did. What an open edit has not moved begins
+   * where it is now, and is no part of the edit.
    */
   bool SetLattice(Lattice lattice);
 
@@ -198,6 +199,7 @@ private:
   bool Refuses = false;
   std::string EditName;
   std::vector<glm::dvec3> StartDisplacements;
+  PointSet Moved; // by the open edit, at some time
 
   // The control points that an edit moves.
   PointSet Grabbed;
