@@ -21,7 +21,8 @@
  * continuation to InverseTolerance (see ffd::SolveInverse): it converges also for strong
  * deformations. Where T folds, the inverse is one of several points or, in the end, the first-order
  * point 2P - T(P) of equation (3) of the paper; never NaN for finite input. What GetInverse() gives
- * follows this lattice, as any inverse in VTK: what is set in it holds until this lattice is edited.
+ * follows this lattice, as any inverse in VTK: what is set in it holds until this lattice is
+ * edited.
  *
  * Editing: SetDisplacement() and SetControlPoint() for single points; GetDisplacements() is the
  * array itself, for numpy:

@@ -3,7 +3,6 @@
 #include "Bounds/FFDPullBackBounds.h"
 
 #include "FFDGridIndex.h"
-#include "FFDRounding.h"
 
 #include "Bounds/FFDForwardImage.h"
 #include "Bounds/FFDJacobianDeterminant.h"
@@ -39,25 +38,6 @@ MatrixRange GetJacobian(const SubCellBounds& bounds, double sign)
     range.Spread[i / 3][i % 3] = 0.5 * (high - low);
   }
   return range;
-}
-
-/// An upper bound of the norm of the inverse of J_T over a cell of a grid, from its sub-cells; NaN
-/// where J_T may be singular.
-float BoundInverseNorm(
-  const SubCellGrid& grid, const SubCellBoundsVector& subCells, const glm::ivec3& cell)
-{
-  double largest = 0.0;
-  for (int i = 0; i < 8; ++i)
-  {
-    const glm::ivec3 s = 2 * cell + 1 + glm::ivec3(i & 1, i >> 1 & 1, i >> 2);
-    MatrixRange inverse;
-    if (!FindInverse(GetJacobian(subCells[grid.Index(s.x, s.y, s.z)], 1.0), inverse))
-    {
-      return std::numeric_limits<float>::quiet_NaN();
-    }
-    largest = std::max(largest, BoundNorm(inverse));
-  }
-  return largest < Infinity ? RoundUp(largest) : std::numeric_limits<float>::quiet_NaN();
 }
 
 /// An upper bound of |d^2 D(o + t d) / dt^2| / |d|^2 over a cell: second derivatives are convex
@@ -305,21 +285,16 @@ CellRange PullBackBounds::FindChangedCells() const
 void PullBackBounds::BoundInverse(
   const CellRange& cells, const ParallelFor& parallelFor, std::vector<float>& norms) const
 {
-  ForSlabsOfSubCells(*this->Field, cells, parallelFor,
-    [&](const SubCellGrid& grid, const SubCellBoundsVector& subCells) {
-      const glm::ivec3 size = (grid.Size - 2) / 2;
-      parallelFor(static_cast<std::size_t>(size.y) * static_cast<std::size_t>(size.z),
-        [&](std::size_t firstRow, std::size_t endRow) {
-          for (std::size_t row = firstRow; row < endRow; ++row)
-          {
-            glm::ivec3 at(0, static_cast<int>(row) % size.y, static_cast<int>(row) / size.y);
-            for (; at.x < size.x; ++at.x)
-            {
-              norms[this->CellIndex(grid.FirstCell + at)] = BoundInverseNorm(grid, subCells, at);
-            }
-          }
-        });
-    });
+  const std::vector<float> found = BoundInverseNorms(*this->Field, cells, parallelFor);
+  const glm::ivec3 size = cells.End - cells.First;
+  for (int k = 0; k < size.z; ++k)
+  {
+    for (int j = 0; j < size.y; ++j)
+    {
+      std::copy_n(&found[GridIndex(0, j, k, size)], size.x,
+        &norms[this->CellIndex(cells.First + glm::ivec3(0, j, k))]);
+    }
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -8,7 +8,10 @@
 // After foreach_target.h, which includes this file once per instruction set.
 #include <hwy/highway.h>
 
+#include "Bounds/FFDMatrixBounds.h"
+#include "Bounds/FFDSimdMatrixBounds-inl.h"
 #include "Bounds/FFDSubCellBounds.h"
+#include "FFDRounding.h"
 
 #include <glm/common.hpp>
 
@@ -368,14 +371,114 @@ HWY_INLINE void StoreBounds(const BoundsBlock& bounds, int first, int end, SubCe
   }
 }
 
-/// Bounds over the sub-cells of some slices of cells.
+/// Stores the bounds of sub-cells.
+class BoundsStore
+{
+public:
+  BoundsStore(const SubCellGrid& grid, SubCellBounds* bounds)
+    : Grid(grid)
+    , Bounds(bounds)
+  {
+  }
+
+  /// Whether it takes sub-cells sy, sz.
+  bool Wants(int, int) const { return true; }
+
+  /// Those of the left and right halves of cells, `all` along x with the constant ones outside.
+  HWY_INLINE void Take(const BoundsBlock (&halves)[2], int lane0, int all, int sy, int sz) const
+  {
+    SubCellBounds* const row = this->Bounds + this->Grid.Index(0, sy, sz);
+    const int lanes = std::min(BlockLanes, all - lane0);
+    // The first and the last lane of all are the constant outside: a single sub-cell each.
+    const int skipped = lane0 == 0 ? 1 : 0;
+    const int beyond = lane0 + lanes == all ? 1 : 0;
+    if (skipped > 0)
+    {
+      StoreBounds(halves[1], 0, 1, row);
+    }
+    StoreBounds(halves[0], skipped, lanes, row + 2 * (lane0 + skipped) - 1);
+    StoreBounds(halves[1], skipped, lanes - beyond, row + 2 * (lane0 + skipped));
+  }
+
+private:
+  const SubCellGrid& Grid;
+  SubCellBounds* Bounds;
+};
+
+/// Finds bounds of the norms of the inverses of J_T over cells: the largest of their sub-cells.
+class InverseNorms
+{
+public:
+  /// `norms`: of the cells of the grid but the constant ones, x fastest; zeros.
+  InverseNorms(const SubCellGrid& grid, float* norms)
+    : Size((grid.Size - 2) / 2)
+    , Norms(norms)
+  {
+  }
+
+  bool Wants(int sy, int sz) const
+  {
+    return sy > 0 && sy <= 2 * this->Size.y && sz > 0 && sz <= 2 * this->Size.z;
+  }
+
+  HWY_INLINE void Take(const BoundsBlock (&halves)[2], int lane0, int all, int sy, int sz) const
+  {
+    const MatrixTag d;
+    const hn::Rebind<float, MatrixTag> df;
+    const int step = static_cast<int>(hn::Lanes(d));
+    float* const row = this->Norms + GridIndex(0, (sy - 1) / 2, (sz - 1) / 2, this->Size);
+    HWY_ALIGN float found[BlockLanes];
+    for (int l = 0; l < BlockLanes; l += step)
+    {
+      const MatrixLanes largest =
+        hn::Max(BoundNormOfInverses(halves[0], l), BoundNormOfInverses(halves[1], l));
+      // Rounded up.
+      const auto norm = hn::DemoteTo(df, hn::Mul(largest, hn::Set(d, 1.0 + 4.0 * RoundingUnit)));
+      hn::StoreU(norm, df, found + l);
+    }
+    const int end = std::min(BlockLanes, all - 1 - lane0);
+    for (int l = lane0 == 0 ? 1 : 0; l < end; ++l)
+    {
+      float& norm = row[lane0 + l - 1];
+      norm = std::max(norm, found[l]);
+    }
+  }
+
+private:
+  static HWY_INLINE MatrixLanes BoundNormOfInverses(const BoundsBlock& bounds, int lane)
+  {
+    const MatrixTag d;
+    const hn::Rebind<float, MatrixTag> df;
+    const MatrixLanes half = hn::Set(d, 0.5);
+    VectorMatrix center;
+    VectorMatrix spread;
+    for (int i = 0; i < 9; ++i)
+    {
+      const auto load = [&](int value) {
+        return hn::PromoteTo(d, hn::LoadU(df, bounds.Value[value + i] + lane));
+      };
+      const MatrixLanes negated = load(SubCellBounds::NegatedJacobianMin);
+      const MatrixLanes high = load(SubCellBounds::JacobianMax);
+      center.Entry[i % 3][i / 3] =
+        hn::MulAdd(half, hn::Sub(high, negated), hn::Set(d, i % 4 == 0 ? 1.0 : 0.0));
+      spread.Entry[i % 3][i / 3] = hn::Mul(half, hn::Add(high, negated));
+    }
+    return BoundNormOfInverse(center, spread);
+  }
+
+  glm::ivec3 Size;
+  float* Norms;
+};
+
+/// Bounds over the sub-cells of some slices of cells, for a BoundsStore or InverseNorms.
+template <class Taker>
 class SliceBounder
 {
 public:
-  SliceBounder(const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds)
+  SliceBounder(const BoundsInput& in, const SubCellGrid& grid, const Taker& taker)
     : In(in)
     , Grid(grid)
-    , Bounds(bounds)
+    , Result(taker)
     , Plane(12 * static_cast<std::size_t>(in.Padded.y) * static_cast<std::size_t>(in.RowLength))
     , Rows(48 * static_cast<std::size_t>(in.RowLength))
   {
@@ -391,7 +494,10 @@ public:
         this->In, (*this->In.Half[2])[static_cast<std::size_t>(sz)], this->Plane.data());
       for (int sy = 0; sy < this->Grid.Size.y; ++sy)
       {
-        this->AddRow(sy, sz);
+        if (this->Result.Wants(sy, sz))
+        {
+          this->AddRow(sy, sz);
+        }
       }
     }
   }
@@ -401,7 +507,6 @@ private:
   {
     ContractRows(this->In, (*this->In.Half[1])[static_cast<std::size_t>(sy)], this->Plane.data(),
       this->Rows.data());
-    SubCellBounds* row = this->Bounds + this->Grid.Index(0, sy, sz);
     ComponentNet left;
     ComponentNet right;
     ComponentRange range;
@@ -416,22 +521,13 @@ private:
         FindRange(right.Value, range);
         ScaleRange(this->In, lane0, c, range, bounds[1]);
       }
-      const int lanes = std::min(BlockLanes, this->In.Lanes - lane0);
-      // The first and the last lane of all are the constant outside: a single sub-cell each.
-      const int skipped = lane0 == 0 ? 1 : 0;
-      const int beyond = lane0 + lanes == this->In.Lanes ? 1 : 0;
-      if (skipped > 0)
-      {
-        StoreBounds(bounds[1], 0, 1, row);
-      }
-      StoreBounds(bounds[0], skipped, lanes, row + 2 * (lane0 + skipped) - 1);
-      StoreBounds(bounds[1], skipped, lanes - beyond, row + 2 * (lane0 + skipped));
+      this->Result.Take(bounds, lane0, this->In.Lanes, sy, sz);
     }
   }
 
   const BoundsInput& In;
   const SubCellGrid& Grid;
-  SubCellBounds* Bounds;
+  const Taker Result;
   std::vector<float> Plane; // what the weights of half of a slice make
   std::vector<float> Rows;  // of such a plane
 };
@@ -440,7 +536,18 @@ private:
 void BoundSlices(
   const BoundsInput& in, const SubCellGrid& grid, SubCellBounds* bounds, int firstZ, int endZ)
 {
-  SliceBounder bounder(in, grid, bounds);
+  SliceBounder<BoundsStore> bounder(in, grid, BoundsStore(grid, bounds));
+  for (int cz = firstZ; cz < endZ; ++cz)
+  {
+    bounder.AddSlice(cz);
+  }
+}
+
+/// The norms of the inverses over the cells of those slices.
+void BoundInversesOfSlices(
+  const BoundsInput& in, const SubCellGrid& grid, float* norms, int firstZ, int endZ)
+{
+  SliceBounder<InverseNorms> bounder(in, grid, InverseNorms(grid, norms));
   for (int cz = firstZ; cz < endZ; ++cz)
   {
     bounder.AddSlice(cz);
@@ -509,6 +616,7 @@ namespace ffd
 namespace
 {
 HWY_EXPORT(BoundSlices);
+HWY_EXPORT(BoundInversesOfSlices);
 HWY_EXPORT(FindRangeOfBezier);
 
 /// Weights from B-spline to Bezier coefficients of the lower or the upper half of a cell.
@@ -633,6 +741,38 @@ public:
       std::fill(bounds.begin(), bounds.end(), all);
       return;
     }
+    this->ForSlices(grid, parallelFor, [&](const BoundsInput& in, int first, int end) {
+      HWY_DYNAMIC_DISPATCH(BoundSlices)(in, grid, bounds.data(), first, end);
+    });
+  }
+
+  /// See ffd::BoundInverseNorms(). `grid`: as for Bound().
+  void BoundInverses(
+    const SubCellGrid& grid, std::vector<float>& norms, const ParallelFor& parallelFor) const
+  {
+    const std::size_t count = GridSize((grid.Size - 2) / 2);
+    if (this->SameBound)
+    {
+      const float identity = RoundUp(BoundNorm({ glm::dmat3(1.0), glm::dmat3(2e-9) }));
+      norms.assign(
+        count, *this->SameBound == 0.0f ? identity : std::numeric_limits<float>::quiet_NaN());
+      return;
+    }
+    norms.assign(count, 0.0f);
+    this->ForSlices(grid, parallelFor, [&](const BoundsInput& in, int first, int end) {
+      HWY_DYNAMIC_DISPATCH(BoundInversesOfSlices)(in, grid, norms.data(), first, end);
+    });
+    for (float& norm : norms)
+    {
+      norm = std::isfinite(norm) ? norm : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+
+private:
+  /// Calls work(input, first, end) for slices of cells of a grid, the constant ones included.
+  template <class Work>
+  void ForSlices(const SubCellGrid& grid, const ParallelFor& parallelFor, const Work& work) const
+  {
     BoundsInput in = this->Input;
     const std::vector<AxisPiece> halfY = MakePieces(grid, 1);
     const std::vector<AxisPiece> halfZ = MakePieces(grid, 2);
@@ -641,13 +781,11 @@ public:
     in.Half[1] = &halfY;
     in.Half[2] = &halfZ;
     parallelFor(
-      static_cast<std::size_t>(grid.GetCells().z), [&](std::size_t first, std::size_t last) {
-        HWY_DYNAMIC_DISPATCH(BoundSlices)
-        (in, grid, bounds.data(), static_cast<int>(first), static_cast<int>(last));
+      static_cast<std::size_t>(grid.GetCells().z), [&](std::size_t first, std::size_t end) {
+        work(in, static_cast<int>(first), static_cast<int>(end));
       });
   }
 
-private:
   void CopyCoefficients(int firstCell, const glm::dvec3& shift)
   {
     const BoundsInput& in = this->Input;
@@ -700,6 +838,15 @@ void ComputeSubCellBounds(const BSplineField& field, const SubCellGrid& grid,
 {
   const CellRange cells{ grid.FirstCell, grid.FirstCell + (grid.Size - 2) / 2 };
   SlabBounder(field, cells).Bound(grid, bounds, parallelFor);
+}
+
+//------------------------------------------------------------------------------
+std::vector<float> BoundInverseNorms(
+  const BSplineField& field, const CellRange& cells, const ParallelFor& parallelFor)
+{
+  std::vector<float> norms;
+  SlabBounder(field, cells).BoundInverses(SubCellGrid(cells), norms, parallelFor);
+  return norms;
 }
 
 //------------------------------------------------------------------------------

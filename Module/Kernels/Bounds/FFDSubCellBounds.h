@@ -70,6 +70,11 @@ void ForSlabsOfSubCells(const BSplineField& field, const CellRange& cells,
   const ParallelFor& parallelFor,
   const std::function<void(const SubCellGrid&, const SubCellBoundsVector&)>& work);
 
+/// Upper bounds of the norm of the inverse of J_T = I + dD/dp over `cells`, x fastest: the largest
+/// over their sub-cells. NaN where J_T may be singular, or turn space inside out.
+std::vector<float> BoundInverseNorms(
+  const BSplineField& field, const CellRange& cells, const ParallelFor& parallelFor);
+
 /// Weights of one axis: those of four control points for each of four Bezier coefficients, and the
 /// offsets that are added to these.
 struct BezierWeights

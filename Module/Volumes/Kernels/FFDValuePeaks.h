@@ -47,6 +47,8 @@ public:
   /// The finest grid for boxes whose sides are at most `extent` voxels; null where there is none.
   const Grid* FindGrid(float extent) const;
 
+  const Grid& GetFinestGrid() const { return this->Grids.front(); }
+
   /// Code c stands for values, times the sign, of at most GetLow() + c * GetStep(), the last one
   /// for those of at most GetHigh().
   double GetLow() const { return this->Low; }

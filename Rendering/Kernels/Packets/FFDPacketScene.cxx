@@ -24,6 +24,8 @@ namespace
 
 /// Length of the parts of a segment that are tested for emptiness, voxels.
 constexpr double PartLength = 2.0;
+/// The length of roots of the smallest volumes, voxels.
+constexpr double LeastRoot = 4.0;
 
 /// How far D goes on linearly beyond a lattice that is one to one, voxels, and for how many cells
 /// beyond others.
@@ -287,7 +289,10 @@ void SetSegments(const CastScene& scene, const CastSettings& settings, PacketSce
   const auto powerOfTwo = [](double most) {
     return 1 << static_cast<int>(std::clamp(std::floor(std::log2(most) + 1e-6), 0.0, 20.0));
   };
-  p.SamplesPerRoot = powerOfTwo(settings.ErrorBound.LongestSegment / distance);
+  // Roots that are much longer than the volume is wide would be halved in vain.
+  const glm::dvec3 extent = whole.Max - whole.Min;
+  const double widest = std::max({ extent.x, extent.y, extent.z, LeastRoot * voxel });
+  p.SamplesPerRoot = powerOfTwo(std::min(settings.ErrorBound.LongestSegment, widest) / distance);
   p.SamplesPerPart = powerOfTwo(PartLength * voxel / distance);
 }
 

@@ -144,12 +144,14 @@ private:
     return !hn::AllFalse(Df(), this->Samples.State.Alive);
   }
 
-  /// Notes what a part whose first sample is n has changed of the extremes.
-  HWY_NOINLINE void NoteExtremes(int n)
+  /// Notes what a part of a segment has changed of the extremes.
+  HWY_NOINLINE void NoteExtremes(const TileSegment& segment, int part)
   {
+    const int n = segment.FirstSample + part * segment.SamplesPerPart;
     for (std::size_t c = 0; c < this->Scene.Peaks.size(); ++c)
     {
-      this->Peaks.Note(c, this->Blending.GetExtreme(c), this->Samples.State.Alive, n);
+      this->Peaks.Note(
+        c, this->Blending.GetExtreme(c), this->Samples.State.Alive, n, segment.LeapsRays);
     }
   }
 
@@ -169,7 +171,7 @@ private:
     this->Sought = AllComponents;
     state.Alive = alive;
     this->Blending.LowerExtremes();
-    this->NoteExtremes(peak.GetFirstSample());
+    this->NoteExtremes(*peak.Segment, peak.Part);
     this->Reach = std::numeric_limits<float>::infinity();
   }
 
@@ -261,7 +263,7 @@ private:
       }
       if (HWY_UNLIKELY(seeking) && this->Blending.TakeNews())
       {
-        this->NoteExtremes(segment.FirstSample + run.First * segment.SamplesPerPart);
+        this->NoteExtremes(segment, run.First);
       }
     }
     this->Blending.EndCurve(curve);
@@ -322,7 +324,9 @@ private:
         active = hn::And(state.Alive, hn::Lt(number, stop));
         s = hn::Mul(hn::Add(this->Numbers.Phase, hn::Sub(number, first)), curve.PerStep);
         q = curve.At(this->Scene, s);
-        const Vf steps = this->Leaps.CountEmpty(curve, q, s, hn::AndNot(state.Expecting, active));
+        const Mf querying = hn::AndNot(state.Expecting, active);
+        const Vf steps = this->Scene.Peaks.empty() ? this->Leaps.CountEmpty(curve, q, s, querying)
+                                                   : this->Peaks.CountPassed(curve, q, querying);
         state.Expecting = hn::Or(state.Expecting, hn::AndNot(hn::Gt(steps, hn::Zero(d)), active));
         if (hn::AllFalse(d, hn::Gt(steps, hn::Zero(d))))
         {

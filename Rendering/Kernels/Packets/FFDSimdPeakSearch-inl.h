@@ -11,11 +11,14 @@
 #include "FFDPacketScene.h"
 #include "FFDTileSegment.h"
 
+#include "FFDSimdCurve-inl.h"
+#include "FFDSimdLeap-inl.h"
 #include "FFDSimdMath-inl.h"
 #include "FFDSimdPacketSegments-inl.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -45,11 +48,6 @@ public:
     TileSegment* Segment = nullptr;
     int Part = 0;
     int Code = 0; ///< of ValuePeaks, of the values in it
-
-    int GetFirstSample() const
-    {
-      return this->Segment->FirstSample + this->Part * this->Segment->SamplesPerPart;
-    }
   };
 
   /// `extremes`: on entry those of a packet beside this one, or none; later those of this one.
@@ -58,6 +56,7 @@ public:
     , Segments(segments)
     , Extremes(extremes)
   {
+    std::fill_n(this->PassedByRays, LargestNumberOfChannels, hn::Set(Di(), -1));
   }
 
   /// Finds the channels of which a part may hold values above the extremes of rays, a bit each.
@@ -72,21 +71,54 @@ public:
   }
 
   /// Notes the extremes of a channel that the rays `alive` have found, after a part whose first
-  /// sample is n.
-  void Note(std::size_t channel, Vf found, Mf alive, int n)
+  /// sample is n. `single`: also those of each ray, for CountPassed().
+  void Note(std::size_t channel, Vf found, Mf alive, int n, bool single)
   {
-    const int before = this->PassedCodes[channel];
+    const Df d;
     const PacketPeaks& peaks = this->Peaks[channel];
     const float least = SmallestLane(hn::IfThenElse(alive, found, Splat(NoExtreme)));
-    // In double precision: one value, of what is no number, may be far away from all others.
-    const double steps = (double{ least } - peaks.Low) * peaks.Scale;
-    int& passed = this->PassedCodes[channel];
-    const int code = static_cast<int>(std::clamp(steps, 0.0, ValuePeaks::LastCode + 1.0)) - 1;
-    passed = least < peaks.High ? std::min(code, ValuePeaks::LastCode - 1) : code;
-    if (passed > before)
+    const int passed = FindPassed(peaks, least);
+    if (passed > this->PassedCodes[channel])
     {
       this->Extremes.Numbers[channel] = n;
     }
+    this->PassedCodes[channel] = passed;
+    if (single)
+    {
+      HWY_ALIGN float values[16];
+      HWY_ALIGN int codes[16];
+      hn::Store(found, d, values);
+      for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane)
+      {
+        codes[lane] = FindPassed(peaks, values[lane]);
+      }
+      this->PassedByRays[channel] = hn::Load(Di(), codes);
+    }
+  }
+
+  /// Finds how many samples, from those of the lanes of `querying` at q, index coordinates, on a
+  /// curve, are no larger than the extremes that their rays have found, for certain; 0 for other
+  /// lanes.
+  HWY_NOINLINE Vf CountPassed(const PacketCurve& curve, const Vec3& q, Mf querying) const
+  {
+    const Df d;
+    const TileSegment& segment = *curve.Segment;
+    const float longest = std::max({ segment.Up[0] + segment.Down[0],
+      segment.Up[1] + segment.Down[1], segment.Up[2] + segment.Down[2] });
+    Mf passed = querying;
+    float steps = 0.0f;
+    for (std::size_t c = 0; c < this->Peaks.size(); ++c)
+    {
+      const ValuePeaks::Grid& grid = this->Peaks[c].Values->GetFinestGrid();
+      steps = std::floor((grid.Edge - 2.0f * Guard) / std::max(longest, 1e-6f));
+      steps = std::min(steps, MostSamples);
+      const auto low = [&](Vf x, std::size_t a) {
+        return hn::Sub(x, Splat(steps * segment.Down[a] + Guard));
+      };
+      const Vi codes = PeaksFrom(grid, { low(q.x, 0), low(q.y, 1), low(q.z, 2) });
+      passed = hn::AndNot(hn::RebindMask(d, hn::Gt(codes, this->PassedByRays[c])), passed);
+    }
+    return hn::IfThenElseZero(passed, Splat(steps + 1.0f));
   }
 
   /**
@@ -120,6 +152,20 @@ public:
   }
 
 private:
+  /// Samples that are passed at once, at most.
+  static constexpr float MostSamples = 1e6f;
+  /// Kept between boxes and the faces of cells, index units: rounding errors.
+  static constexpr float Guard = 2e-3f;
+
+  /// The code up to which boxes hold no value above one that was found; -1: there is none.
+  static int FindPassed(const PacketPeaks& peaks, float found)
+  {
+    // In double precision: one value, of what is no number, may be far away from all others.
+    const double steps = (double{ found } - peaks.Low) * peaks.Scale;
+    const int code = static_cast<int>(std::clamp(steps, 0.0, ValuePeaks::LastCode + 1.0)) - 1;
+    return found < peaks.High ? std::min(code, ValuePeaks::LastCode - 1) : code;
+  }
+
   static HWY_INLINE int CodeOf(const TileSegment& segment, std::size_t channel, int block, int part)
   {
     return segment.Peaks[channel][static_cast<std::size_t>(part)][static_cast<std::size_t>(block)];
@@ -153,6 +199,8 @@ private:
   ExtremeSamples& Extremes;
   /// The codes of ValuePeaks up to which parts hold no value above the extremes of all rays.
   std::array<int, LargestNumberOfChannels> PassedCodes{ { -1, -1, -1, -1 } };
+  /// The same for each ray by itself.
+  Vi PassedByRays[LargestNumberOfChannels];
 };
 
 } // namespace HWY_NAMESPACE
