@@ -10,6 +10,7 @@
 #include "vtkFFDPipeline.h"
 #include "vtkFFDTransformSampler.h"
 
+#include "FFDFunctionFit.h"
 #include "FFDLattice.h"
 #include "FFDLatticeFit.h"
 
@@ -222,6 +223,16 @@ ffd::FitStatus FitLandmarks(
     }
   }
   return ffd::FitNetToPoints(from, displacements, weights, smoothness, limits, fit);
+}
+
+ffd::FitStatus FitTransform(
+  vtkAbstractTransform* transform, const ffd::FitLimits& limits, ffd::FittedNet& fit)
+{
+  ffd::FunctionFit function(
+    vtkFFDMakeTransformSampler(transform, limits.Parallel), fit.Lower, fit.Extent);
+  const ffd::FitStatus status = function.Run(limits);
+  fit = function.GetNet();
+  return status;
 }
 
 ffd::FitStatus FitField(vtkImageData* field, const ffd::FitLimits& limits, ffd::FittedNet& fit)
@@ -498,8 +509,7 @@ void vtkFFDFitLattice::Fit(vtkImageData* field)
   const ffd::FitStatus status = input.HasLandmarks()
     ? FitLandmarks(input, this->Smoothness, limits, fit)
     : field ? FitField(field, limits, fit)
-            : ffd::FitNetToFunction(
-                vtkFFDMakeTransformSampler(this->Transform, limits.Parallel), limits, fit);
+            : FitTransform(this->Transform, limits, fit);
   if (status == ffd::FitStatus::Stopped)
   {
     vtkWarningMacro("The fit was aborted; there is no lattice.");

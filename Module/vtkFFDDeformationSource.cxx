@@ -6,6 +6,7 @@
 #include "vtkFFDLatticeData.h"
 #include "vtkFFDTransformSampler.h"
 
+#include "FFDFunctionFit.h"
 #include "FFDLattice.h"
 
 #include "vtkAbstractTransform.h"
@@ -96,17 +97,28 @@ MovedBox FindMovedBox(
   return moved;
 }
 
-/// Fits a lattice to a transform as asked for; `error`: the largest one, data units; `domain`: see
-/// DeformationField.
-ffd::FitStatus FitLattice(vtkAbstractTransform* transform, const ffd::FitRequest& request,
-  const ffd::ParallelFor& parallelFor, ffd::Lattice& lattice, double& error,
-  std::optional<ffd::Box>& domain)
+/// The fit of a transform over a region.
+ffd::FunctionFit MakeFit(const ffd::DisplacementSampler& sampler, const ffd::Box& region)
+{
+  return ffd::FunctionFit(sampler, region.Min, region.Max - region.Min);
+}
+
+/// Fits a net to a transform as asked for; `domain`: see DeformationField.
+ffd::FitStatus FitNet(vtkAbstractTransform* transform, const ffd::FitRequest& request,
+  const ffd::ParallelFor& parallelFor, ffd::FittedNet& net, std::optional<ffd::Box>& domain)
 {
   using ffd::FitStatus;
-  const ffd::DisplacementSampler sample = vtkFFDMakeTransformSampler(transform, parallelFor);
+  const ffd::DisplacementSampler sampler = vtkFFDMakeTransformSampler(transform, parallelFor);
   ffd::FitLimits limits;
   limits.Tolerance = request.Tolerance;
+  limits.Parallel = parallelFor;
   const int mostCells = limits.MaximumCells;
+  const auto run = [&](ffd::FunctionFit& fit, int cells) {
+    limits.MaximumCells = cells;
+    const FitStatus status = fit.Run(limits);
+    net = fit.GetNet();
+    return status;
+  };
   if (!request.AtRest)
   {
     // It stands for the transform and its inverse, also where they move the image to.
@@ -120,43 +132,34 @@ ffd::FitStatus FitLattice(vtkAbstractTransform* transform, const ffd::FitRequest
     {
       domain = MakeRegion(Inflate(backward.Box));
     }
-    return lattice.Fit(MakeRegion(Inflate(all)), sample, limits, error);
+    ffd::FunctionFit fit = MakeFit(sampler, MakeRegion(Inflate(all)));
+    return run(fit, mostCells);
   }
   const vtkBoundingBox bounds(request.Bounds.data());
   vtkBoundingBox wider(bounds);
   wider.Inflate(MarginAtRest * bounds.GetMaxLength());
-  const ffd::Box region = MakeRegion(wider);
   // Frames take least where T goes on smoothly beyond the image. But a transform may end where the
   // image does, as one that is given on its points: then it is best to know nothing beyond.
-  limits.MaximumCells = mostCells / 4;
-  FitStatus status = lattice.Fit(region, sample, limits, error);
+  ffd::FunctionFit around = MakeFit(sampler, MakeRegion(wider));
+  const int tried = mostCells / 4;
+  FitStatus status = run(around, tried);
   if (status == FitStatus::Reached)
   {
     return status;
   }
-  const ffd::Box image = MakeRegion(bounds);
-  ffd::Lattice inside;
-  double errorInside = 0.0;
-  const int tried = limits.MaximumCells;
-  limits.MaximumCells = mostCells / 2;
-  if (inside.Fit(image, sample, limits, errorInside) == FitStatus::Reached)
+  ffd::FunctionFit within = MakeFit(sampler, MakeRegion(bounds));
+  if (run(within, mostCells / 2) == FitStatus::Reached)
   {
-    const glm::ivec3 cells = inside.Net.Nodes - 3;
-    limits.MaximumCells = 2 * std::max({ cells.x, cells.y, cells.z });
-    if (limits.MaximumCells > tried)
+    const ffd::FittedNet inside = net;
+    const int cells = 2 * std::max({ inside.Cells.x, inside.Cells.y, inside.Cells.z });
+    if (cells <= tried || run(around, cells) != FitStatus::Reached)
     {
-      status = lattice.Fit(region, sample, limits, error);
-    }
-    if (status != FitStatus::Reached)
-    {
-      lattice = inside;
-      error = errorInside;
+      net = inside;
     }
     return FitStatus::Reached;
   }
-  limits.MaximumCells = mostCells;
-  status = lattice.Fit(region, sample, limits, error);
-  return status == FitStatus::NotFinite ? lattice.Fit(image, sample, limits, error) : status;
+  status = run(around, mostCells);
+  return status == FitStatus::NotFinite ? run(within, mostCells) : status;
 }
 
 } // namespace
@@ -188,9 +191,12 @@ ffd::Made ffd::MakeDeformationField(DeformationField& result, StageTools& tools,
   else if (fit)
   {
     const std::string name = source.Object->GetClassName();
+    FittedNet net;
+    const bool finite =
+      FitNet(source.Object, *fit, tools.Parallel, net, domain) != FitStatus::NotFinite;
+    error = net.LargestError;
     Lattice lattice;
-    const bool finite = FitLattice(source.Object, *fit, tools.Parallel, lattice, error, domain) !=
-      FitStatus::NotFinite;
+    lattice.Take(net);
     reason = finite ? lattice.FindProblem() : "it gives points that are not finite";
     if (!reason.empty())
     {

@@ -8,6 +8,7 @@
 #include "vtkFFDPipeline.h"
 #include "vtkFFDTransformSampler.h"
 
+#include "FFDFunctionFit.h"
 #include "FFDGridIndex.h"
 #include "FFDLattice.h"
 #include "FFDLatticeMap.h"
@@ -616,11 +617,13 @@ double vtkFFDLattice::FitToTransform(
   ffd::FitLimits limits;
   limits.Tolerance = tolerance;
   limits.MaximumCells = maximumCells;
+  limits.Parallel = vtkFFDParallelFor();
   return vtkFFDGuarded(this, "FitToTransform", -1.0, [&] {
+    ffd::FunctionFit fit(
+      vtkFFDMakeTransformSampler(transform, limits.Parallel), domain.Min, domain.Max - domain.Min);
+    const ffd::FitStatus status = fit.Run(limits);
     ffd::Lattice value;
-    double error = 0.0;
-    const ffd::FitStatus status =
-      value.Fit(domain, vtkFFDMakeTransformSampler(transform, vtkFFDParallelFor()), limits, error);
+    value.Take(fit.GetNet());
     const std::string problem = status == ffd::FitStatus::NotFinite
       ? "the transform gives points that are not finite"
       : value.FindProblem();
@@ -633,7 +636,7 @@ double vtkFFDLattice::FitToTransform(
     }
     this->Lattice->SetValue(this, value);
     this->Modified();
-    return error;
+    return fit.GetNet().LargestError;
   });
 }
 

@@ -169,13 +169,15 @@ public:
    * Shape the lattice like `transform` over bounds[6]: its displacements are sampled at the control
    * points of the domain (set to `bounds`, flat axes as in FitToBounds) and interpolated
    * (ffd::InterpolateControlNet), and the axes on which the error is too large get twice the cells,
-   * until the largest error found at the centers of cells and of their edges is at most `tolerance`
-   * (> 0, data units) or every such axis has `maximumCells` (1 to 256). Returns the largest error
+   * until the largest error found between them is at most `tolerance` (> 0, data units) or every
+   * such axis has `maximumCells` (1 to 256). Returns the largest error
    * found, which can exceed the tolerance, or -1 after an error (null, this lattice itself, bad
    * bounds, a tolerance or a number of cells out of range, a transform that gives points that are
    * not finite), the lattice unchanged. Sets BorderMode to Edge, DisplacementScale to 1 and
    * InverseFlag to 0. Start: four cells per axis, or maximumCells if that is less. The error is
-   * measured, not proven: a transform with features finer than a cell can hide them.
+   * measured, not proven: on a regular grid of 16 cells per axis, or as fine as the grids that the
+   * transform is given on, up to 64; between the control points of finer lattices where coarser
+   * ones err; and at the landmarks of a thin-plate spline. What is finer can hide.
    */
   double FitToTransform(vtkAbstractTransform* transform, const double bounds[6], double tolerance,
     int maximumCells = 64);

@@ -6,15 +6,17 @@
 
 #include "vtkFFDCoreModule.h" // For export macro
 
-#include "FFDLatticeFit.h"
+#include "FFDFunctionFit.h"
 
 class vtkAbstractTransform;
 
 /**
- * Samples the displacements of a transform for the fits of ffd::FitNetToFunction() and
- * ffd::Lattice::Fit(). Each call updates the transform, which the sampler keeps alive. Threads of
- * `parallelFor` share the work where no message can come of it: only inverses have some, of points
- * at which they do not converge.
+ * Samples the displacements of a transform for its fit by ffd::FunctionFit. Each call updates the
+ * transform, which the sampler keeps alive. Threads of `parallelFor` share the work where no
+ * message can come of it: only inverses have some, of points at which they do not converge. Details
+ * are those of the grids and splines that the transform, its parts or its terms are given on, as
+ * large as the smallest spacing where these may turn them, and places the source landmarks of a
+ * thin-plate spline that is not a part.
  */
 VTKFFDCORE_EXPORT ffd::DisplacementSampler vtkFFDMakeTransformSampler(
   vtkAbstractTransform* transform, const ffd::ParallelFor& parallelFor);

@@ -25,8 +25,9 @@ public:
 
   ///@{
   /**
-   * As in the superclass, but a tolerance that is not finite and positive, and iterations below 1,
-   * are refused with an error.
+   * The largest error of an inverse that has no closed form, data units, and the most steps to find
+   * it. A tolerance that is not finite and positive, and less than one step, are refused with an
+   * error. Defaults: 0.001 and 500.
    */
   void SetInverseTolerance(double tolerance) override;
   void SetInverseIterations(int iterations) override;

@@ -9,8 +9,10 @@
 #include <Eigen/SparseCholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace ffd
 {
@@ -355,28 +357,48 @@ ControlNet InterpolateControlNet(const ControlNet& samples)
 }
 
 //------------------------------------------------------------------------------
-ControlNet SampleControlNet(const ControlNet& net, const glm::bvec3& centers)
+ControlNet SampleControlNet(
+  const ControlNet& net, const glm::ivec3& perCell, const ParallelFor& parallelFor)
 {
   ControlNet result = net;
   for (int axis = 0; axis < 3; ++axis)
   {
-    double weights[4];
-    BSplineWeights(centers[axis] ? 0.5 : 0.0, weights);
-    const int size = result.Nodes[axis] - (centers[axis] ? 3 : 2);
-    // Of the last sample at a control point, the fourth weight would be that of one beyond the net.
-    const int count = centers[axis] ? 4 : 3;
-    result = MapLines(
-      result, axis, size, [&](const std::vector<glm::dvec3>& in, std::vector<glm::dvec3>& out) {
-        for (std::size_t i = 0; i < out.size(); ++i)
+    const ControlNet from = std::move(result);
+    const int cells = from.Nodes[axis] - 3;
+    const int each = perCell[axis];
+    std::vector<std::array<double, 4>> weights(static_cast<std::size_t>(each) + 1);
+    for (int m = 0; m <= each; ++m)
+    {
+      BSplineWeights(static_cast<double>(m) / each, weights[static_cast<std::size_t>(m)].data());
+    }
+    result = ControlNet();
+    result.Nodes = from.Nodes;
+    result.Nodes[axis] = cells * each + 1;
+    result.Values.resize(GridSize(result.Nodes));
+    // Rows of what lies along the axes before this one.
+    std::size_t length = 1;
+    for (int a = 0; a < axis; ++a)
+    {
+      length *= static_cast<std::size_t>(from.Nodes[a]);
+    }
+    const auto count = static_cast<std::size_t>(result.Nodes[axis]);
+    parallelFor(result.Values.size() / length, [&](std::size_t first, std::size_t end) {
+      for (std::size_t row = first; row < end; ++row)
+      {
+        const int sample = static_cast<int>(row % count);
+        const int cell = std::min(sample / each, cells - 1);
+        const std::array<double, 4>& w = weights[static_cast<std::size_t>(sample - cell * each)];
+        const std::size_t node =
+          row / count * static_cast<std::size_t>(from.Nodes[axis]) + static_cast<std::size_t>(cell);
+        const glm::dvec3* const in = from.Values.data() + node * length;
+        glm::dvec3* const out = result.Values.data() + row * length;
+        for (std::size_t i = 0; i < length; ++i)
         {
-          glm::dvec3 sum(0.0);
-          for (int j = 0; j < count; ++j)
-          {
-            sum += weights[j] * in[i + static_cast<std::size_t>(j)];
-          }
-          out[i] = sum;
+          out[i] = w[0] * in[i] + w[1] * in[i + length] + w[2] * in[i + 2 * length] +
+            w[3] * in[i + 3 * length];
         }
-      });
+      }
+    });
   }
   return result;
 }

@@ -4,6 +4,7 @@
 #define FFDControlNet_h
 
 #include "FFDExport.h"
+#include "FFDParallelFor.h"
 
 #include <glm/vec3.hpp>
 
@@ -53,11 +54,10 @@ FFD_CORE_EXPORT ControlNet ResizeControlNet(const ControlNet& net, const glm::iv
  */
 FFD_CORE_EXPORT ControlNet InterpolateControlNet(const ControlNet& samples);
 
-/**
- * Samples of the spline of a net with n >= 4 control points per axis: along an axis either at the
- * inner control points 1 ... n - 2, or, where `centers` says so, halfway between them.
- */
-FFD_CORE_EXPORT ControlNet SampleControlNet(const ControlNet& net, const glm::bvec3& centers);
+/// Samples of the spline of a net with n >= 4 control points per axis: `perCell` along each axis
+/// from each inner control point 1 ... n - 3 on, and one at the last, n - 2.
+FFD_CORE_EXPORT ControlNet SampleControlNet(
+  const ControlNet& net, const glm::ivec3& perCell, const ParallelFor& parallelFor = ParallelFor());
 
 } // namespace ffd
 

@@ -248,24 +248,14 @@ Lattice Lattice::Extend(int layers) const
 }
 
 //------------------------------------------------------------------------------
-FitStatus Lattice::Fit(
-  const Box& domain, const DisplacementSampler& sample, const FitLimits& limits, double& error)
+void Lattice::Take(const FittedNet& fit)
 {
-  FittedNet fit;
-  fit.Lower = domain.Min;
-  fit.Extent = domain.Max - domain.Min;
-  const FitStatus status = FitNetToFunction(sample, limits, fit);
-  if (status == FitStatus::Reached || status == FitStatus::NotReached)
-  {
-    error = fit.LargestError;
-    this->Origin = fit.GetOrigin();
-    this->Spacing = fit.GetSpacing();
-    this->Net = std::move(fit.Net);
-    this->Border = BorderMode::Edge;
-    this->Scale = 1.0;
-    this->Inverse = false;
-  }
-  return status;
+  this->Origin = fit.GetOrigin();
+  this->Spacing = fit.GetSpacing();
+  this->Net = fit.Net;
+  this->Border = BorderMode::Edge;
+  this->Scale = 1.0;
+  this->Inverse = false;
 }
 
 //------------------------------------------------------------------------------

@@ -104,13 +104,8 @@ struct FFD_CORE_EXPORT Lattice
   /// everywhere. Border is Edge or Zero: ZeroAtBorder cannot be continued.
   Lattice Extend(int layers) const;
 
-  /**
-   * Makes this the lattice over `domain` that follows displacements which can be evaluated anywhere
-   * (FitNetToFunction()), with border mode Edge, scale 1 and the map T. Sets `error` to the largest
-   * error found. NotFinite and Stopped leave the lattice as it was.
-   */
-  FitStatus Fit(
-    const Box& domain, const DisplacementSampler& sample, const FitLimits& limits, double& error);
+  /// Makes this the lattice of a net that was fitted, with border mode Edge, scale 1 and the map T.
+  void Take(const FittedNet& fit);
 
   /// The displacement field of the map, Scale and Border applied.
   BSplineField MakeField() const;

@@ -51,18 +51,6 @@ struct FitLimits
   ParallelFor Parallel{};
 };
 
-/// Displacements at first + (i, j, k) * step, count points per axis; false: not finite.
-using DisplacementSampler = std::function<bool(const glm::ivec3& count, const glm::dvec3& first,
-  const glm::dvec3& step, std::vector<glm::dvec3>& displacements)>;
-
-/**
- * A net over `fit.Lower`, `fit.Extent` that follows a displacement that can be evaluated anywhere:
- * it interpolates the samples at the nodes (InterpolateControlNet), and the axes that err too much
- * at the centers of cells and of their edges get twice the cells. Starts with four cells.
- */
-FFD_CORE_EXPORT FitStatus FitNetToFunction(
-  const DisplacementSampler& sample, const FitLimits& limits, FittedNet& fit);
-
 /**
  * The least-squares net of displacements on a regular grid of samples that covers the box: sample
  * (i, j, k) lies at first + (i, j, k) * step, x fastest; only those in the box count. The normal

@@ -216,15 +216,15 @@ TEST(ControlNet, SamplesAreThoseOfTheSpline)
     const ControlNet net =
       MakeRandomNet(random, { random.Integer(4, 8), random.Integer(4, 8), random.Integer(4, 8) });
     const BSplineField field(net.Nodes, glm::dvec3(0.0), glm::dvec3(1.0), net.Values.data());
-    const glm::bvec3 centers(l % 2 == 1, l / 2 % 2 == 1, l / 4 % 2 == 1);
-    const ControlNet samples = SampleControlNet(net, centers);
+    const glm::ivec3 perCell(random.Integer(1, 4), random.Integer(1, 4), random.Integer(1, 4));
+    const ControlNet samples = SampleControlNet(net, perCell);
     const glm::ivec3 n = samples.Nodes;
-    ASSERT_EQ(n, net.Nodes - 2 - glm::ivec3(centers));
+    ASSERT_EQ(n, (net.Nodes - 3) * perCell + 1);
     ASSERT_EQ(samples.Values.size(), static_cast<std::size_t>(n.x) * n.y * n.z);
     for (int i = 0; i < n.x * n.y * n.z; ++i)
     {
       const glm::dvec3 p =
-        glm::dvec3(1 + i % n.x, 1 + i / n.x % n.y, 1 + i / (n.x * n.y)) + 0.5 * glm::dvec3(centers);
+        1.0 + glm::dvec3(i % n.x, i / n.x % n.y, i / (n.x * n.y)) / glm::dvec3(perCell);
       EXPECT_LT(
         glm::distance(field.Displacement(p), samples.Values[static_cast<std::size_t>(i)]), 1e-14);
     }

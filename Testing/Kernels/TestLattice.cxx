@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The lattice as a value, and its map: what keeps the map keeps it, bounds hold, bad values are
 // named.
+#include "FFDFunctionFit.h"
 #include "FFDLattice.h"
 #include "FFDLatticeMap.h"
 #include "RandomLattice.h"
@@ -222,19 +223,12 @@ TEST(Lattice, ExtensionKeepsTheMapEverywhere)
 TEST(Lattice, FitFollowsADisplacement)
 {
   // An affine displacement is in the space of the splines, so the first net is exact.
-  const DisplacementSampler affine = [](const glm::ivec3& count, const glm::dvec3& first,
-                                       const glm::dvec3& step, std::vector<glm::dvec3>& values) {
+  DisplacementSampler affine;
+  affine.Sample = [](const std::vector<glm::dvec3>& points, std::vector<glm::dvec3>& values) {
     values.clear();
-    for (int k = 0; k < count.z; ++k)
+    for (const glm::dvec3& p : points)
     {
-      for (int j = 0; j < count.y; ++j)
-      {
-        for (int i = 0; i < count.x; ++i)
-        {
-          const glm::dvec3 p = first + glm::dvec3(i, j, k) * step;
-          values.push_back({ 1.0 + 0.1 * p.y, 0.2 * p.x - 0.1 * p.z, -2.0 });
-        }
-      }
+      values.push_back({ 1.0 + 0.1 * p.y, 0.2 * p.x - 0.1 * p.z, -2.0 });
     }
     return true;
   };
@@ -245,10 +239,11 @@ TEST(Lattice, FitFollowsADisplacement)
   lattice.Border = BorderMode::Zero;
   FitLimits limits;
   limits.Tolerance = 1e-9;
-  double error = -1.0;
-  EXPECT_EQ(lattice.Fit(domain, affine, limits, error), FitStatus::Reached);
-  EXPECT_LE(error, 1e-9);
-  EXPECT_GE(error, 0.0);
+  FunctionFit fit(affine, domain.Min, domain.Max - domain.Min);
+  EXPECT_EQ(fit.Run(limits), FitStatus::Reached);
+  EXPECT_LE(fit.GetNet().LargestError, 1e-9);
+  EXPECT_GE(fit.GetNet().LargestError, 0.0);
+  lattice.Take(fit.GetNet());
   EXPECT_EQ(lattice.FindProblem(), "");
   EXPECT_EQ(lattice.Scale, 1.0);
   EXPECT_FALSE(lattice.Inverse);
@@ -259,15 +254,12 @@ TEST(Lattice, FitFollowsADisplacement)
     glm::length(lattice.MakeField().Displacement(at) - glm::dvec3(1.0 + 0.33, 0.06 - 1.11, -2.0)),
     1e-12);
 
-  const Lattice before = lattice;
-  const DisplacementSampler bad = [&affine](const glm::ivec3& count, const glm::dvec3& first,
-                                    const glm::dvec3& step, std::vector<glm::dvec3>& values) {
-    affine(count, first, step, values);
+  DisplacementSampler bad;
+  bad.Sample = [&](const std::vector<glm::dvec3>& points, std::vector<glm::dvec3>& values) {
+    affine.Sample(points, values);
     return false;
   };
-  EXPECT_EQ(
-    lattice.Fit({ glm::dvec3(0.0), glm::dvec3(1.0) }, bad, limits, error), FitStatus::NotFinite);
-  EXPECT_TRUE(IsSame(lattice, before));
+  EXPECT_EQ(FunctionFit(bad, domain.Min, glm::dvec3(1.0)).Run(limits), FitStatus::NotFinite);
 }
 
 TEST(LatticeMap, InvertsTheMap)
