@@ -243,7 +243,9 @@ Made MakeVoxels(Voxels& voxels, StageTools& tools, const UniformView& view, cons
     {
       return Made::Not;
     }
-    voxels.View.Axes = &voxels.Axes;
+    // One of equal steps, up to rounding, is an image.
+    constexpr double rounding = 1e-4; // voxels
+    voxels.View.Axes = voxels.Axes.IsEven(rounding) ? nullptr : &voxels.Axes;
   }
   MakeHidden(grid, voxels);
   return Made::Anew;

@@ -128,8 +128,8 @@ int TestFFDLatticeFit(int, char*[])
   vtkNew<vtkImageData> fine;
   fine->SetDimensions(64, 64, 64);
   fine->SetOrigin(Bounds[0], Bounds[2], Bounds[4]);
-  fine->SetSpacing((Bounds[1] - Bounds[0]) / 63.0, (Bounds[3] - Bounds[2]) / 63.0,
-    (Bounds[5] - Bounds[4]) / 63.0);
+  fine->SetSpacing(
+    (Bounds[1] - Bounds[0]) / 63.0, (Bounds[3] - Bounds[2]) / 63.0, (Bounds[5] - Bounds[4]) / 63.0);
   fine->AllocateScalars(VTK_DOUBLE, 3);
   vtkDataArray* const moves = fine->GetPointData()->GetScalars();
   for (vtkIdType i = 0; i < fine->GetNumberOfPoints(); ++i)

@@ -324,6 +324,34 @@ class TestComponentsAndMasks(unittest.TestCase):
             # Depths are those of the first component that is seen.
             self.assertGreater((numpy.abs(near - far) < 1e-5).mean(), 0.99, what)
 
+    def test_extremes_of_rays_that_are_far_apart(self):
+        # A pixel is several voxels wide: each ray leaves out what is below its own extreme.
+        random = numpy.random.default_rng(9)
+        cells = [numpy.kron(random.integers(0, 256, (24, 24, 24)), numpy.ones((4, 4, 4)))
+                 for _ in range(2)]
+        size = cells[0].shape[0]
+        for mode, components, dtype, deform in itertools.product(
+                ("maximum", "minimum"), (1, 2), (numpy.uint8, numpy.float32), (False, True)):
+            what = f"{mode}, {components}, {dtype}, {deform}"
+            mapper, prop, volume = self.make_scene(components, dtype, False, mode, deform)
+            image = vtkImageData()
+            image.SetDimensions(3 * [size])
+            image.SetSpacing(3 * [(self.size - 1) / (size - 1)])
+            image.GetPointData().SetScalars(numpy_to_vtk(numpy.stack(
+                [cell.ravel() for cell in cells[:components]], axis=-1).astype(dtype), deep=True))
+            mapper.SetInputData(image)
+            for c in range(components):
+                prop.GetScalarOpacity(c).RemoveAllPoints()
+                prop.GetScalarOpacity(c).AddPoint(0.0, 0.5)
+            mapper.CollectStatisticsOn()
+            leaping, near = self.render(mapper, volume, size=16)
+            samples = self.count_samples(mapper)
+            mapper.SetSpaceLeapingToOff()
+            all_samples, far = self.render(mapper, volume, size=16)
+            self.assertLess(samples, 0.5 * self.count_samples(mapper), what)
+            numpy.testing.assert_allclose(leaping, all_samples, atol=1.0, err_msg=what)
+            self.assertGreater((numpy.abs(near - far) < 1e-5).mean(), 0.99, what)
+
     def test_masks(self):
         half = numpy.ones((self.size, self.size, self.size))
         half[:, :, :17] = 0.0

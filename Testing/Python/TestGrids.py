@@ -261,6 +261,47 @@ class TestGrids(unittest.TestCase):
         self.assertEqual(failed, [])
         self.assertGreater(seen, len(self.scenes) // 2)
 
+    def test_equal_steps_are_those_of_an_image(self):
+        """Whatever they are rounded to; and what is no rounding counts."""
+        random = numpy.random.default_rng(3)
+        values = numpy_to_vtk(random.integers(0, 256, 20 * 24 * 28).astype(numpy.uint8), deep=True)
+        image = vtkImageData()
+        image.SetDimensions(20, 24, 28)
+        image.SetOrigin(0.5, -3.0, 7.0)
+        image.SetSpacing(0.7, 0.3, 0.5)
+        pictures = {}
+        for kind in ("image", "even", "uneven"):
+            data = image
+            if kind != "image":
+                data = vtkRectilinearGrid()
+                data.SetDimensions(20, 24, 28)
+                for a, name in enumerate("XYZ"):
+                    n = image.GetDimensions()[a]
+                    steps = numpy.arange(n) * image.GetSpacing()[a]
+                    if kind == "uneven":
+                        steps[n // 2] += 0.3 * image.GetSpacing()[a]
+                    steps = (image.GetOrigin()[a] + steps).astype(numpy.float32)
+                    getattr(data, f"Set{name}Coordinates")(numpy_to_vtk(steps, deep=True))
+            data.GetPointData().SetScalars(values)
+            mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+            mapper.SetInputData(data)
+            volume = vtkVolume()
+            volume.SetMapper(mapper)
+            opacity = vtkPiecewiseFunction()
+            opacity.AddPoint(0.0, 0.0)
+            opacity.AddPoint(255.0, 0.3)
+            volume.GetProperty().SetScalarOpacity(opacity)
+            volume.GetProperty().ShadeOn()
+            volume.GetProperty().SetInterpolationTypeToLinear()
+            renderer = vtkRenderer()
+            renderer.AddVolume(volume)
+            renderer.ResetCamera(image.GetBounds())
+            colors = vtkImageData()
+            self.assertEqual(mapper.RenderToImage(renderer, volume, SIZE, SIZE, colors, None), 1)
+            pictures[kind] = vtk_to_numpy(colors.GetPointData().GetScalars()).astype(int)
+        self.assertLess(numpy.abs(pictures["even"] - pictures["image"]).max(), 3)
+        self.assertGreater(numpy.abs(pictures["uneven"] - pictures["image"]).max(), 20)
+
     def test_hidden_cells_hold_anything(self):
         # Beside them values are those of the nearest cells; most of them are hidden for a reason.
         n = 16

@@ -115,6 +115,15 @@ struct BorderDifferences
         this->Include(field, a, high);
       }
     }
+    for (int a = 0; a < 3; ++a)
+    {
+      this->Second[a] = std::sqrt(this->Second[a]);
+      for (double& mixed : this->Mixed[a])
+      {
+        mixed = std::sqrt(mixed);
+      }
+    }
+    this->Third = std::sqrt(this->Third);
   }
 
   /// A bound of the norm of the change of the Jacobian up to so many cells beyond a face, or beyond
@@ -136,6 +145,7 @@ struct BorderDifferences
   }
 
 private:
+  /// Squares, at first.
   void Include(const BSplineField& field, int a, bool high)
   {
     const glm::ivec3 nodes = field.GetNodes();
@@ -157,7 +167,7 @@ private:
       for (int j = 0; j < nodes[b]; ++j)
       {
         const auto keep = [](double& largest, const glm::dvec3& difference) {
-          largest = std::max(largest, glm::length(difference));
+          largest = std::max(largest, glm::dot(difference, difference));
         };
         keep(this->Second[a], across(1, j, k) - across(0, j, k));
         for (int depth = 0; depth < 2; ++depth)
@@ -175,6 +185,27 @@ private:
     }
   }
 };
+
+/// The bounds of T(rest). Where T is one to one, what lies within goes to what lies within, so that
+/// the faces tell.
+Box FindImage(const BSplineField& field, const Box& rest, bool oneToOne)
+{
+  if (!oneToOne)
+  {
+    return FindForwardImage(field, rest);
+  }
+  Box image = Box::Empty();
+  for (int a = 0; a < 3; ++a)
+  {
+    Box low = rest;
+    Box high = rest;
+    low.Max[a] = rest.Min[a];
+    high.Min[a] = rest.Max[a];
+    image.Include(FindForwardImage(field, low));
+    image.Include(FindForwardImage(field, high));
+  }
+  return image;
+}
 
 /// Range of the control points, and so of D; all there is when one is not a number.
 Box FindHull(const BSplineField& field)
@@ -532,7 +563,7 @@ Box PullBackBounds::DeformedBounds(const Box& rest, const ParallelFor& parallelF
     }
     case PullBackKind::Exact:
       // A converged Q has T(Q) within the tolerance of P.
-      return grow(FindForwardImage(*this->Field, rest), this->Tolerance);
+      return grow(FindImage(*this->Field, rest, this->ProvenInvertible), this->Tolerance);
     case PullBackKind::FirstOrderOfInverse:
     {
       // With P = T(Q) + e, |e| <= tolerance: Phi(P) = 2P - Q = Q + 2 D(Q) + 2 e.

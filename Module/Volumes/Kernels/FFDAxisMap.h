@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -69,6 +70,23 @@ public:
     const double at = std::min(std::max(0.0, (voxel - this->First) / this->Step), last);
     const std::size_t i = std::min(static_cast<std::size_t>(at), p.size() - 2);
     return p[i] + (at - static_cast<double>(i)) * (p[i + 1] - p[i]);
+  }
+
+  /// Whether no position is farther than `tolerance` from where equal steps have it.
+  bool IsEven(double tolerance) const
+  {
+    for (const std::vector<double>& p : this->Positions)
+    {
+      for (std::size_t i = 0; i < p.size(); ++i)
+      {
+        const double even = this->First + this->Step * static_cast<double>(i);
+        if (!(std::abs(p[i] - even) <= tolerance))
+        {
+          return false;
+        }
+      }
+    }
+    return true;
   }
 
   /// The positions that stand for the voxel coordinates GetFirst(), GetFirst() + GetStep(), ...
