@@ -43,6 +43,12 @@ struct SampleGrid
   glm::ivec3 GetSize() const { return this->Steps + 1; }
 };
 
+/// Along how many axes a point lies between nodes. `beyond`: its number beyond the last node.
+int CountBetween(const glm::ivec3& beyond)
+{
+  return (beyond.x != 0) + (beyond.y != 0) + (beyond.z != 0);
+}
+
 /// Calls work(at, index) for the points of a grid from `first` on, before `end`.
 template <class Work>
 void ForPoints(
@@ -257,7 +263,7 @@ private:
   /// Counts the error at a point. `beyond`: its number beyond the last node along each axis.
   void Count(const glm::ivec3& beyond, double error)
   {
-    const int between = (beyond.x != 0) + (beyond.y != 0) + (beyond.z != 0);
+    const int between = CountBetween(beyond);
     if (between == 0)
     {
       return; // a node
@@ -286,42 +292,37 @@ private:
     SampleGrid finer;
     finer.Steps = steps;
     const glm::ivec3 size = finer.GetSize();
+    const glm::ivec3 ratio = steps / this->Grid.Steps;
     if (keeps)
     {
       finer.Values.resize(GridSize(size));
       finer.Errors.assign(GridSize(size), NotSampled);
+      const glm::ivec3 known = this->Grid.GetSize();
+      ForPoints(glm::ivec3(0), known, known, [&](const glm::ivec3& at, std::size_t index) {
+        const std::size_t sample = GridIndex(at * ratio, size);
+        finer.Values[sample] = this->Grid.Values[index];
+        finer.Errors[sample] = this->Grid.Errors[index];
+      });
     }
-    const glm::ivec3 ratio = steps / this->Grid.Steps;
-    const glm::ivec3 stride = steps / this->Fit.Cells;
-    std::vector<glm::ivec3> places;
-    for (int k = 0; k < size.z; ++k)
+    const std::size_t plane = GridSize({ size.x, size.y, 1 });
+    const int planes = 1 + static_cast<int>(SamplesAtOnce / plane);
+    for (int first = 0; first < size.z; first += planes)
     {
-      ForPoints(
-        { 0, 0, k }, { size.x, size.y, k + 1 }, size, [&](const glm::ivec3& at, std::size_t index) {
-          if (at % ratio == glm::ivec3(0))
-          {
-            if (keeps)
-            {
-              const std::size_t known = GridIndex(at / ratio, this->Grid.GetSize());
-              finer.Values[index] = this->Grid.Values[known];
-              finer.Errors[index] = this->Grid.Errors[known];
-            }
-          }
-          else if (this->TouchesOpen(at, stride))
-          {
-            places.push_back(at);
-          }
-          else
-          {
-            this->Count(at % stride, 0.0);
-          }
-        });
-      if ((places.size() >= SamplesAtOnce || k + 1 == size.z) &&
-        !this->TestPoints(places, keeps, finer))
+      const int count = std::min(planes, size.z - first);
+      std::vector<std::vector<glm::ivec3>> places(static_cast<std::size_t>(count));
+      this->Limits.Parallel(places.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+        {
+          places[k] = this->FindOpenPoints(first + static_cast<int>(k), steps, ratio, keeps);
+        }
+      });
+      if (!this->TestPoints(places, keeps, finer))
       {
         return false;
       }
     }
+    // The other ones.
+    this->Tests = GridSize(size) - GridSize(this->Fit.Cells + 1);
     if (keeps)
     {
       this->Predict(finer);
@@ -330,20 +331,63 @@ private:
     return true;
   }
 
-  /// Samples points of a grid, and finds the errors there; `places` is empty then.
-  bool TestPoints(std::vector<glm::ivec3>& places, bool keeps, SampleGrid& grid)
+  /// The points of a plane of a grid that touch open cells, without those `ratio` steps apart;
+  /// `all`: also those in the middle of faces of cells.
+  std::vector<glm::ivec3> FindOpenPoints(
+    int k, const glm::ivec3& steps, const glm::ivec3& ratio, bool all) const
   {
-    const BSplineField field = this->GetField();
+    const glm::ivec3 cells = this->Fit.Cells;
+    const glm::ivec3 stride = steps / cells;
+    const auto firstOf = [&](int at, int a) { return std::max(at - 1, 0) / stride[a]; };
+    const auto lastOf = [&](int at, int a) { return std::min(at / stride[a], cells[a] - 1); };
+    std::vector<glm::ivec3> points;
+    std::vector<std::uint8_t> open(static_cast<std::size_t>(cells.x)); // of rows that touch one
+    for (int j = 0; j <= steps.y; ++j)
+    {
+      std::fill(open.begin(), open.end(), std::uint8_t{ 0 });
+      ForPoints({ 0, firstOf(j, 1), firstOf(k, 2) },
+        { cells.x, lastOf(j, 1) + 1, lastOf(k, 2) + 1 }, cells,
+        [&](const glm::ivec3& at, std::size_t index) {
+          open[static_cast<std::size_t>(at.x)] |= this->Open[index];
+        });
+      for (int i = 0; i <= steps.x; ++i)
+      {
+        const glm::ivec3 at(i, j, k);
+        if ((open[static_cast<std::size_t>(firstOf(i, 0))] != 0 ||
+              open[static_cast<std::size_t>(lastOf(i, 0))] != 0) &&
+          at % ratio != glm::ivec3(0) && (all || CountBetween(at % stride) != 2))
+        {
+          points.push_back(at);
+        }
+      }
+    }
+    return points;
+  }
+
+  /// Samples points of planes of a grid, and finds the errors there.
+  bool TestPoints(const std::vector<std::vector<glm::ivec3>>& planes, bool keeps, SampleGrid& grid)
+  {
+    std::vector<glm::ivec3> places;
+    for (const std::vector<glm::ivec3>& plane : planes)
+    {
+      places.insert(places.end(), plane.begin(), plane.end());
+    }
+    if (places.empty())
+    {
+      return true;
+    }
     std::vector<glm::dvec3> points;
+    points.reserve(places.size());
     for (const glm::ivec3& at : places)
     {
       points.push_back(this->PositionOf(at, grid.Steps));
     }
     std::vector<glm::dvec3> values;
-    if (!points.empty() && !this->Sampler.Sample(points, values))
+    if (!this->Sampler.Sample(points, values))
     {
       return false;
     }
+    const BSplineField field = this->GetField();
     std::vector<float> errors(points.size());
     this->Limits.Parallel(points.size(), [&](std::size_t first, std::size_t end) {
       for (std::size_t p = first; p < end; ++p)
@@ -362,7 +406,6 @@ private:
         grid.Errors[index] = errors[p];
       }
     }
-    places.clear();
     return true;
   }
 
@@ -375,17 +418,6 @@ private:
     {
       grid.Values[n] = grid.Errors[n] == NotSampled ? found.Values[n] : grid.Values[n];
     }
-  }
-
-  /// Whether a point of a grid of `stride` steps a cell lies in an open cell, or at its border.
-  bool TouchesOpen(const glm::ivec3& at, const glm::ivec3& stride) const
-  {
-    const glm::ivec3 first = glm::max((at - 1) / stride, 0);
-    const glm::ivec3 last = glm::min(at / stride, this->Fit.Cells - 1);
-    bool open = false;
-    ForPoints(first, last + 1, this->Fit.Cells,
-      [&](const glm::ivec3&, std::size_t index) { open = open || this->Open[index] != 0; });
-    return open;
   }
 
   /// Gives the axes that err by their share twice the cells; when only the sum is too large, the
