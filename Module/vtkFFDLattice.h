@@ -257,7 +257,8 @@ public:
   void SetInverseTolerance(double tolerance) override;
   ///@}
 
-  /// As in the superclass; what is set in an inverse, as of GetInverse(), is kept.
+  /// How the displacements go on beyond the lattice, see vtkBSplineTransform. Default:
+  /// VTK_BSPLINE_EDGE.
   void SetBorderMode(int mode) override;
 
   /// Share the control points of another lattice: an edit of one is seen by both, until one gets

@@ -167,7 +167,7 @@ class TestScales(unittest.TestCase):
                 for fill, count in zip(fills, samples):
                     with self.subTest(kind=kind, mode=mode, fill=fill):
                         self.assertGreater(count, 1.0)
-                        self.assertLess(count, 1.3 * samples[0])
+                        self.assertLess(count, 1.4 * samples[0])
 
     def test_gradient_opacity_beside_no_data(self):
         """The points of the function are met, however wide the range of the scalars is."""

@@ -115,8 +115,8 @@ public:
     std::fill_n(segment.Needed.begin(), blocks, 0u);
     std::fill_n(segment.Inside.begin(), blocks, 0u);
     // Blocks that are too wide for a query of their boxes let their rays leap one by one.
-    segment.LeapsRays =
-      this->Scene.Distances != nullptr && !BoxQuery::TellsAll(this->FindRadius(segment, 1));
+    segment.LeapsRays = (this->Scene.Distances || !this->Scene.Peaks.empty()) &&
+      !BoxQuery::TellsAll(this->FindRadius(segment, 1));
   }
 
   /// Fills Needed and Inside for the next parts.
