@@ -117,18 +117,6 @@ std::vector<double> FindWeights(const std::vector<double>& times, double time, i
   return weights;
 }
 
-/// Bounds of the whole image, of which `image` may be a part.
-void FindWholeBounds(vtkInformation* info, vtkImageData* image, double bounds[6])
-{
-  vtkNew<vtkImageData> whole;
-  whole->CopyStructure(image);
-  if (info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-  {
-    whole->SetExtent(info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()));
-  }
-  whole->GetBounds(bounds);
-}
-
 /// The map of a lattice whose displacements are linear in space: columns 0 to 2 the matrix, 3 the
 /// offset. False for any other.
 bool FindLinearMap(vtkFFDLattice* lattice, double map[3][4])
@@ -491,6 +479,8 @@ int vtkFFDDeformVolume::RequestInformation(
     steps.push_back(keyframe.Time);
   }
   const bool reads = this->Keyframes.empty() && !this->Lattice;
+  outputs->GetInformationObject(0)->CopyEntry(
+    inputs[0]->GetInformationObject(0), vtkDataObject::DIRECTION());
   vtkFFDMergeTimes(steps,
     { inputs[0]->GetInformationObject(0), reads ? inputs[1]->GetInformationObject(0) : nullptr },
     outputs->GetInformationObject(0));
@@ -570,7 +560,9 @@ int vtkFFDDeformVolume::RequestData(
           "volume itself instead, as by vtkProp3D::SetUserMatrix().");
       }
       double bounds[6];
-      FindWholeBounds(inputs[0]->GetInformationObject(0), input, bounds);
+      vtkNew<vtkImageData> whole;
+      vtkFFDGetWholeGeometry(inputs[0]->GetInformationObject(0), input, whole);
+      whole->GetBounds(bounds);
       CutLinearLattice(lattice, bounds, map);
     }
     return lattice->AttachTo(output);

@@ -42,6 +42,29 @@ constexpr int Block = ffd::MinMaxBlocks::BlockSize;
 /// Blocks along an axis of so many voxels.
 int CountBlocks(int voxels) { return (voxels - 1 + Block - 1) / Block; }
 
+/// Make `blocks` the grid of the centers of the blocks of `voxels`.
+void SetBlockGeometry(vtkImageData* voxels, vtkImageData* blocks)
+{
+  double origin[3];
+  double spacing[3];
+  int extent[6];
+  double center[3]; // of the first block, index coordinates
+  voxels->GetSpacing(spacing);
+  for (int a = 0; a < 3; ++a)
+  {
+    const int* const range = voxels->GetExtent() + 2 * a;
+    center[a] = range[0] + 0.5 * Block;
+    extent[2 * a] = 0;
+    extent[2 * a + 1] = std::max(0, CountBlocks(range[1] - range[0] + 1) - 1);
+    spacing[a] *= Block;
+  }
+  voxels->TransformContinuousIndexToPhysicalPoint(center, origin);
+  blocks->SetExtent(extent);
+  blocks->SetOrigin(origin);
+  blocks->SetSpacing(spacing);
+  blocks->SetDirectionMatrix(voxels->GetDirectionMatrix());
+}
+
 /// Opacity as a table over the scalars of the volume, as the mapper has it.
 ffd::TransferTable MakeOpacityTable(
   vtkPiecewiseFunction* opacity, const ffd::MinMaxBlocks::Limits& range)
@@ -109,47 +132,18 @@ int vtkFFDDistanceMap::RequestInformation(
   vtkInformation* output = outputs->GetInformationObject(0);
   vtkDataObject::SetPointDataActiveScalarInfo(
     output, this->Resolution == VOXELS ? VTK_UNSIGNED_SHORT : VTK_UNSIGNED_CHAR, 1);
+  output->CopyEntry(input, vtkDataObject::DIRECTION());
   if (this->Resolution == VOXELS || !input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
   {
     return 1;
   }
-  int extent[6];
-  double origin[3] = { 0.0, 0.0, 0.0 };
-  double spacing[3] = { 1.0, 1.0, 1.0 };
-  double direction[9] = { 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0 };
-  input->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent);
-  if (input->Has(vtkDataObject::ORIGIN()))
-  {
-    input->Get(vtkDataObject::ORIGIN(), origin);
-  }
-  if (input->Has(vtkDataObject::SPACING()))
-  {
-    input->Get(vtkDataObject::SPACING(), spacing);
-  }
-  if (input->Has(vtkDataObject::DIRECTION()))
-  {
-    input->Get(vtkDataObject::DIRECTION(), direction);
-  }
-  double first[3];
-  int blocks[6];
-  for (int a = 0; a < 3; ++a)
-  {
-    // The center of block 0.
-    first[a] = (extent[2 * a] + 0.5 * Block) * spacing[a];
-    blocks[2 * a] = 0;
-    blocks[2 * a + 1] = std::max(0, CountBlocks(extent[2 * a + 1] - extent[2 * a] + 1) - 1);
-  }
-  for (int a = 0; a < 3; ++a)
-  {
-    for (int b = 0; b < 3; ++b)
-    {
-      origin[a] += direction[3 * a + b] * first[b];
-    }
-    spacing[a] *= Block;
-  }
-  output->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), blocks, 6);
-  output->Set(vtkDataObject::ORIGIN(), origin, 3);
-  output->Set(vtkDataObject::SPACING(), spacing, 3);
+  vtkNew<vtkImageData> voxels;
+  vtkNew<vtkImageData> blocks;
+  vtkFFDGetWholeGeometry(input, nullptr, voxels);
+  SetBlockGeometry(voxels, blocks);
+  output->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), blocks->GetExtent(), 6);
+  output->Set(vtkDataObject::ORIGIN(), blocks->GetOrigin(), 3);
+  output->Set(vtkDataObject::SPACING(), blocks->GetSpacing(), 3);
   return 1;
 }
 
@@ -165,9 +159,8 @@ int vtkFFDDistanceMap::RequestUpdateExtent(
 int vtkFFDDistanceMap::RequestData(
   vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
 {
-  vtkInformation* info = outputs->GetInformationObject(0);
   vtkImageData* input = vtkImageData::GetData(inputs[0]);
-  vtkImageData* output = vtkImageData::GetData(info);
+  vtkImageData* output = vtkImageData::GetData(outputs);
   if (!input || !output)
   {
     vtkErrorMacro("There is no image. Connect a vtkImageData to the input.");
@@ -218,10 +211,7 @@ int vtkFFDDistanceMap::RequestData(
       found.begin(), found.end(), distances->GetPointer(0), [](std::uint16_t distance) {
         return static_cast<unsigned char>(std::min<std::uint16_t>(distance, 255));
       });
-    output->SetDimensions(map.GetBlocks().x, map.GetBlocks().y, map.GetBlocks().z);
-    output->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
-    output->SetSpacing(info->Get(vtkDataObject::SPACING()));
-    output->SetDirectionMatrix(input->GetDirectionMatrix());
+    SetBlockGeometry(input, output);
     output->GetPointData()->SetScalars(distances);
     this->UpdateProgress(1.0);
     return 1;

@@ -121,28 +121,6 @@ std::size_t FindLargest(std::size_t value)
 constexpr double NoBounds[6] = { VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX, VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX,
   VTK_DOUBLE_MAX, -VTK_DOUBLE_MAX };
 
-/// Origin, spacing, direction and whole extent of the image that an information announces.
-void GetWholeGeometry(vtkInformation* info, vtkImageData* geometry)
-{
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  if (info->Has(Pipeline::WHOLE_EXTENT()))
-  {
-    geometry->SetExtent(info->Get(Pipeline::WHOLE_EXTENT()));
-  }
-  if (info->Has(vtkDataObject::ORIGIN()))
-  {
-    geometry->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
-  }
-  if (info->Has(vtkDataObject::SPACING()))
-  {
-    geometry->SetSpacing(info->Get(vtkDataObject::SPACING()));
-  }
-  if (info->Has(vtkDataObject::DIRECTION()))
-  {
-    geometry->SetDirectionMatrix(info->Get(vtkDataObject::DIRECTION()));
-  }
-}
-
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -577,6 +555,7 @@ int vtkFFDEditLattice::RequestInformation(
   {
     return 1;
   }
+  out->CopyEntry(in, vtkDataObject::DIRECTION());
   vtkSmartPointer<vtkFFDLattice> upstream;
   if (vtkImageData* points = vtkImageData::SafeDownCast(in->Get(LATTICE())))
   {
@@ -596,7 +575,8 @@ int vtkFFDEditLattice::RequestInformation(
     return 1;
   }
   vtkNew<vtkImageData> geometry;
-  GetWholeGeometry(in, geometry);
+  // Where the direction is not announced, that of the last image is the best guess.
+  vtkFFDGetWholeGeometry(in, in->Has(vtkDataObject::DIRECTION()) ? nullptr : data, geometry);
   double bounds[6];
   geometry->GetBounds(bounds);
   if (this->MakeLattice(bounds, upstream, false))
@@ -635,20 +615,9 @@ int vtkFFDEditLattice::RequestData(
     return this->Attach(input, bounds, output);
   }
   // The image may be a part of the whole; the lattice is that of the whole.
-  auto* image = vtkImageData::SafeDownCast(input);
-  vtkInformation* info = inputs[0]->GetInformationObject(0);
   vtkNew<vtkImageData> geometry;
-  GetWholeGeometry(info, geometry);
-  if (image->GetNumberOfPoints() > 0)
-  {
-    geometry->SetOrigin(image->GetOrigin());
-    geometry->SetSpacing(image->GetSpacing());
-    geometry->SetDirectionMatrix(image->GetDirectionMatrix());
-    if (!info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
-    {
-      geometry->SetExtent(image->GetExtent());
-    }
-  }
+  vtkFFDGetWholeGeometry(
+    inputs[0]->GetInformationObject(0), vtkImageData::SafeDownCast(input), geometry);
   geometry->GetBounds(bounds);
   return this->Attach(input, bounds, output);
 }

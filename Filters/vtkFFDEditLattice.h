@@ -29,7 +29,9 @@
  * RequestInformation already knows the lattice, and passes it down the pipeline under the key
  * LATTICE(): parallel consumers find out from it which part of the image they need. If the input
  * has a lattice in its data only (a file), that is known not before RequestData, and the key is
- * not set.
+ * not set. The lattice covers the image as it is announced: where vtkDataObject::DIRECTION() is not
+ * (VTK's filters do not pass it on), with the direction of the image that was there last, at first
+ * with none. What RequestData attaches covers the image itself.
  *
  * @sa vtkFFDLattice vtkFFDLatticeSource vtkFFDDeformVolume
  */

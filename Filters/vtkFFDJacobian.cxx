@@ -168,9 +168,11 @@ vtkMTimeType vtkFFDJacobian::GetMTime()
 
 //------------------------------------------------------------------------------
 int vtkFFDJacobian::RequestInformation(
-  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
+  vtkInformation*, vtkInformationVector** inputs, vtkInformationVector* outputs)
 {
-  vtkDataObject::SetPointDataActiveScalarInfo(outputs->GetInformationObject(0), VTK_FLOAT, 1);
+  vtkInformation* output = outputs->GetInformationObject(0);
+  vtkDataObject::SetPointDataActiveScalarInfo(output, VTK_FLOAT, 1);
+  output->CopyEntry(inputs[0]->GetInformationObject(0), vtkDataObject::DIRECTION());
   return 1;
 }
 

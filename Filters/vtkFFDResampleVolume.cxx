@@ -22,6 +22,8 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkMatrix3x3.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkSmartPointer.h"
@@ -57,31 +59,16 @@ constexpr int LargestIndex = std::numeric_limits<int>::max() / 2;
 /// Rounding must not add a layer to a box that ends at a point.
 constexpr double IndexSlack = 1e-6;
 
-/// Grid of an image that may not have been made yet.
-ffd::ImageGrid GridFromInformation(vtkInformation* info)
+ffd::ImageGrid MakeGrid(vtkImageData* geometry)
 {
   ffd::ImageGrid grid;
-  double origin[3] = { 0.0, 0.0, 0.0 };
-  double spacing[3] = { 1.0, 1.0, 1.0 };
-  double direction[9] = { 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0 };
-  if (info->Has(vtkDataObject::ORIGIN()))
-  {
-    info->Get(vtkDataObject::ORIGIN(), origin);
-  }
-  if (info->Has(vtkDataObject::SPACING()))
-  {
-    info->Get(vtkDataObject::SPACING(), spacing);
-  }
-  if (info->Has(vtkDataObject::DIRECTION()))
-  {
-    info->Get(vtkDataObject::DIRECTION(), direction);
-  }
+  geometry->GetOrigin(&grid.Origin.x);
   for (int row = 0; row < 3; ++row)
   {
-    grid.Origin[row] = origin[row];
     for (int column = 0; column < 3; ++column)
     {
-      grid.IndexToData[column][row] = direction[3 * row + column] * spacing[column];
+      grid.IndexToData[column][row] =
+        geometry->GetDirectionMatrix()->GetElement(row, column) * geometry->GetSpacing()[column];
     }
   }
   return grid;
@@ -182,6 +169,7 @@ public:
   ffd::Stage<&MakeBoundedMap> Pulled{ Order };
   ffd::ImageGrid Input;
   ffd::ImageGrid Output;
+  vtkNew<vtkImageData> OutputGeometry; ///< origin, spacing and direction of the output
   ffd::Box RestBounds;
   vtkWeakPointer<vtkCompositeDataSet> Blocks; ///< the last input that was not an image
 
@@ -451,7 +439,9 @@ vtkMTimeType vtkFFDResampleVolume::GetMTime()
 }
 
 //------------------------------------------------------------------------------
-bool vtkFFDResampleVolume::UpdateInternals(vtkInformation* input, std::string& message)
+/// `image`: the input, if it is up to date, else null.
+bool vtkFFDResampleVolume::UpdateInternals(
+  vtkInformation* input, vtkImageData* image, std::string& message)
 {
   vtkInternals& in = *this->Internals;
   if (!input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
@@ -470,7 +460,9 @@ bool vtkFFDResampleVolume::UpdateInternals(vtkInformation* input, std::string& m
       return false;
     }
   }
-  in.Input = GridFromInformation(input);
+  vtkNew<vtkImageData> geometry;
+  vtkFFDGetWholeGeometry(input, image, geometry);
+  in.Input = MakeGrid(geometry);
   if (!IsUsable(in.Input))
   {
     message = "The spacing, origin or direction of the input image is zero, singular or not "
@@ -481,13 +473,12 @@ bool vtkFFDResampleVolume::UpdateInternals(vtkInformation* input, std::string& m
   const ffd::Box& rest = in.RestBounds;
   const double voxel = std::min({ glm::length(in.Input.IndexToData[0]),
     glm::length(in.Input.IndexToData[1]), glm::length(in.Input.IndexToData[2]) });
-  vtkImageData* image = vtkImageData::GetData(input);
   ffd::StageTools tools;
   in.Order.Begin();
   const ffd::FitRequest fit{ { rest.Min.x, rest.Max.x, rest.Min.y, rest.Max.y, rest.Min.z,
                                rest.Max.z },
     this->PositionTolerance * voxel, this->InverseMode == EXACT };
-  if (!in.Source.Update(this->Deformation, image, fit, tools))
+  if (!in.Source.Update(this->Deformation, vtkImageData::GetData(input), fit, tools))
   {
     message = tools.Message;
     return false;
@@ -499,18 +490,18 @@ bool vtkFFDResampleVolume::UpdateInternals(vtkInformation* input, std::string& m
   in.Pulled.Update(tools, in.Source.GetProduct(), static_cast<ffd::InverseMode>(this->InverseMode),
     this->InverseTolerance * voxel);
 
-  in.Output = in.Input;
+  double spacing[3];
   for (int a = 0; a < 3; ++a)
   {
-    if (!this->DefaultSpacing)
-    {
-      in.Output.IndexToData[a] *= this->OutputSpacing[a] / glm::length(in.Input.IndexToData[a]);
-    }
-    if (!this->DefaultOrigin)
-    {
-      in.Output.Origin[a] = this->OutputOrigin[a];
-    }
+    // A negative spacing keeps its sign.
+    spacing[a] = this->DefaultSpacing
+      ? geometry->GetSpacing()[a]
+      : std::copysign(this->OutputSpacing[a], geometry->GetSpacing()[a]);
   }
+  in.OutputGeometry->SetSpacing(spacing);
+  in.OutputGeometry->SetOrigin(this->DefaultOrigin ? geometry->GetOrigin() : this->OutputOrigin);
+  in.OutputGeometry->SetDirectionMatrix(geometry->GetDirectionMatrix());
+  in.Output = MakeGrid(in.OutputGeometry);
   return true;
 }
 
@@ -531,17 +522,30 @@ int vtkFFDResampleVolume::RequestInformation(
   const bool moves =
     input->Has(vtkStreamingDemandDrivenPipeline::TIME_DEPENDENT_INFORMATION()) != 0;
   vtkFFDFollowTime(this->Deformation && !moves ? nullptr : input, output);
-  if (!this->Deformation && connection && !vtkFFDIsBlock(this->Internals->Blocks, data) &&
-    input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+  bool isUpToDate = vtkFFDIsBlock(this->Internals->Blocks, data);
+  if (connection && !isUpToDate && input->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
   {
-    // A lattice may be attached to the data: the extent of the output follows from it. Filters
-    // behind this one do not learn of an extent that changes with time, and go on to ask for the
-    // first one.
-    vtkFFDUpdateWhole(connection, output);
-    output->Set(vtkStreamingDemandDrivenPipeline::UNRESTRICTED_UPDATE_EXTENT(), 1);
+    isUpToDate = true;
+    if (!this->Deformation)
+    {
+      // A lattice may be attached to the data: the extent of the output follows from it. Filters
+      // behind this one do not learn of an extent that changes with time, and go on to ask for the
+      // first one.
+      vtkFFDUpdateWhole(connection, output);
+      output->Set(vtkStreamingDemandDrivenPipeline::UNRESTRICTED_UPDATE_EXTENT(), 1);
+    }
+    else if (!input->Has(vtkDataObject::DIRECTION()))
+    {
+      // The extent of the output follows from the direction of the image, too.
+      vtkFFDUpdatePart(connection, output);
+    }
+    else
+    {
+      isUpToDate = false;
+    }
   }
   std::string message;
-  if (!this->UpdateInternals(input, message))
+  if (!this->UpdateInternals(input, isUpToDate ? vtkImageData::GetData(input) : nullptr, message))
   {
     vtkErrorMacro(<< message);
     return 0;
@@ -571,23 +575,11 @@ int vtkFFDResampleVolume::RequestInformation(
       extent[2 * a + 1] = static_cast<int>(indices.Max[a]);
     }
   }
-  double spacing[3];
-  for (int a = 0; a < 3; ++a)
-  {
-    // A negative spacing keeps its sign.
-    const bool has = input->Has(vtkDataObject::SPACING()) != 0;
-    spacing[a] = this->DefaultSpacing
-      ? (has ? input->Get(vtkDataObject::SPACING())[a] : 1.0)
-      : std::copysign(this->OutputSpacing[a], has ? input->Get(vtkDataObject::SPACING())[a] : 1.0);
-  }
   output->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent, 6);
   output->Set(vtkAlgorithm::CAN_PRODUCE_SUB_EXTENT(), 1);
-  output->Set(vtkDataObject::SPACING(), spacing, 3);
-  output->Set(vtkDataObject::ORIGIN(), &in.Output.Origin.x, 3);
-  if (input->Has(vtkDataObject::DIRECTION()))
-  {
-    output->Set(vtkDataObject::DIRECTION(), input->Get(vtkDataObject::DIRECTION()), 9);
-  }
+  output->Set(vtkDataObject::SPACING(), in.OutputGeometry->GetSpacing(), 3);
+  output->Set(vtkDataObject::ORIGIN(), in.OutputGeometry->GetOrigin(), 3);
+  output->Set(vtkDataObject::DIRECTION(), in.OutputGeometry->GetDirectionMatrix()->GetData(), 9);
   return 1;
 }
 
@@ -645,7 +637,8 @@ int vtkFFDResampleVolume::RequestData(
   vtkImageData* output = vtkImageData::GetData(info);
   this->NumberOfUnconvergedPoints = 0;
   std::string message;
-  if (!input || !output || !this->UpdateInternals(inputs[0]->GetInformationObject(0), message))
+  if (!input || !output ||
+    !this->UpdateInternals(inputs[0]->GetInformationObject(0), input, message))
   {
     vtkErrorMacro(<< (message.empty() ? "There is no image to resample." : message.c_str()));
     return 0;
@@ -683,13 +676,16 @@ int vtkFFDResampleVolume::RequestData(
   vtkFFDRequireMemory(
     sides[0] * sides[1] * sides[2] * result->GetNumberOfComponents() * result->GetDataTypeSize(),
     what.str(), "Update the output in pieces, or call SetOutputSpacing() or SetOutputExtent().");
+  const vtkInternals& in = *this->Internals;
   output->SetExtent(extent);
+  output->SetOrigin(in.OutputGeometry->GetOrigin());
+  output->SetSpacing(in.OutputGeometry->GetSpacing());
+  output->SetDirectionMatrix(in.OutputGeometry->GetDirectionMatrix());
   result->SetNumberOfTuples(output->GetNumberOfPoints());
   output->GetPointData()->SetScalars(result);
   // The executive passed it on.
   vtkFFDLattice::DetachFrom(output);
 
-  const vtkInternals& in = *this->Internals;
   ffd::ResampleSettings settings;
   settings.Interpolation = static_cast<ffd::ResampleInterpolation>(this->InterpolationMode);
   settings.Background =

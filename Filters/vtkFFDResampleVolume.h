@@ -25,7 +25,10 @@
  *
  * The output is streamed: an update of a part of the extent gives the same values as an update of
  * the whole, and with SetDeformation() it asks the input for what that part comes from and the
- * voxels around it only (a lattice attached to the input needs all of that). All cores are used,
+ * voxels around it only (a lattice attached to the input needs all of that). Where filters before
+ * this one do not announce the direction of the image (vtkDataObject::DIRECTION(), which VTK's do
+ * not pass on), RequestInformation asks for some voxels of it, or for those it asked for last, as
+ * the extent of the output follows from it. All cores are used,
  * the result does not depend on their number. Progress is reported, AbortExecute is obeyed (the
  * output is then empty).
  *
@@ -48,6 +51,7 @@
 
 class vtkAbstractTransform;
 class vtkDataArray;
+class vtkImageData;
 
 class VTKFFDFILTERS_EXPORT vtkFFDResampleVolume : public vtkImageAlgorithm
 {
@@ -211,7 +215,7 @@ private:
 
   class vtkInternals;
 
-  bool UpdateInternals(vtkInformation* input, std::string& message);
+  bool UpdateInternals(vtkInformation* input, vtkImageData* image, std::string& message);
 
   vtkAbstractTransform* Deformation = nullptr;
   int InverseMode = EXACT;

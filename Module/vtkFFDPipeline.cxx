@@ -9,6 +9,7 @@
 #include "vtkCompositeDataSet.h"
 #include "vtkDataArray.h"
 #include "vtkDataSet.h"
+#include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkPointData.h"
@@ -19,6 +20,49 @@
 #include <limits>
 
 using Pipeline = vtkStreamingDemandDrivenPipeline;
+
+namespace
+{
+
+/// Make `extent`, the whole one, that of a part: of the image if there is one, else of the first
+/// voxels.
+void TakePart(vtkImageData* image, int extent[6])
+{
+  int part[6];
+  const bool isThere = image && image->GetNumberOfPoints() > 0;
+  for (int a = 0; a < 3; ++a)
+  {
+    part[2 * a] = isThere ? image->GetExtent()[2 * a] : extent[2 * a];
+    part[2 * a + 1] =
+      isThere ? image->GetExtent()[2 * a + 1] : std::min(extent[2 * a] + 1, extent[2 * a + 1]);
+    if (part[2 * a] < extent[2 * a] || part[2 * a + 1] > extent[2 * a + 1])
+    {
+      TakePart(nullptr, extent); // the image has another extent now
+      return;
+    }
+  }
+  std::copy_n(part, 6, extent);
+}
+
+void Update(vtkAlgorithmOutput* connection, vtkInformation* output, bool whole)
+{
+  vtkAlgorithm* const producer = connection->GetProducer();
+  const int port = connection->GetIndex();
+  producer->UpdateInformation();
+  vtkInformation* const input = producer->GetOutputInformation(port);
+  vtkFFDRequestWhole(input);
+  if (!whole && input->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    TakePart(vtkImageData::GetData(input), input->Get(Pipeline::UPDATE_EXTENT()));
+  }
+  if (output && output->Has(Pipeline::UPDATE_TIME_STEP()))
+  {
+    input->Set(Pipeline::UPDATE_TIME_STEP(), output->Get(Pipeline::UPDATE_TIME_STEP()));
+  }
+  producer->Update(port);
+}
+
+} // namespace
 
 //------------------------------------------------------------------------------
 void vtkFFDRequestWhole(vtkInformation* input)
@@ -39,16 +83,32 @@ void vtkFFDRequestWhole(vtkInformation* input)
 //------------------------------------------------------------------------------
 void vtkFFDUpdateWhole(vtkAlgorithmOutput* connection, vtkInformation* output)
 {
-  vtkAlgorithm* const producer = connection->GetProducer();
-  const int port = connection->GetIndex();
-  producer->UpdateInformation();
-  vtkInformation* const input = producer->GetOutputInformation(port);
-  vtkFFDRequestWhole(input);
-  if (output && output->Has(Pipeline::UPDATE_TIME_STEP()))
+  Update(connection, output, true);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDUpdatePart(vtkAlgorithmOutput* connection, vtkInformation* output)
+{
+  Update(connection, output, false);
+}
+
+//------------------------------------------------------------------------------
+void vtkFFDGetWholeGeometry(vtkInformation* input, vtkImageData* image, vtkImageData* geometry)
+{
+  const bool isThere = image && image->GetNumberOfPoints() > 0;
+  if (isThere)
   {
-    input->Set(Pipeline::UPDATE_TIME_STEP(), output->Get(Pipeline::UPDATE_TIME_STEP()));
+    geometry->CopyStructure(image);
   }
-  producer->Update(port);
+  if (input->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    geometry->SetExtent(input->Get(Pipeline::WHOLE_EXTENT()));
+  }
+  if (!isThere)
+  {
+    // It takes what is there of origin, spacing and direction.
+    geometry->CopyInformationFromPipeline(input);
+  }
 }
 
 //------------------------------------------------------------------------------

@@ -16,6 +16,7 @@ class vtkCompositeDataSet;
 class vtkDataArray;
 class vtkDataObject;
 class vtkDataSet;
+class vtkImageData;
 class vtkInformation;
 class vtkInformationVector;
 
@@ -35,6 +36,21 @@ VTKFFDCORE_EXPORT void vtkFFDUpdateWhole(vtkAlgorithmOutput* connection, vtkInfo
 VTKFFDCORE_EXPORT void vtkFFDFollowTime(vtkInformation* input, vtkInformation* output);
 VTKFFDCORE_EXPORT int vtkFFDRequestInformationAgain(
   vtkInformationVector* outputs, const std::function<int()>& requestInformation);
+///@}
+
+///@{
+/**
+ * The geometry of the whole image of an input. Filters of VTK do not pass on
+ * vtkDataObject::DIRECTION(): where that key is missing, only the image itself has the direction.
+ * vtkFFDGetWholeGeometry() sets extent, origin, spacing and direction of `geometry` as `input`
+ * announces them, all but the extent as those of `image`, if that is up to date and not empty; it
+ * may be null. vtkFFDUpdatePart() is for RequestInformation() of filters whose extent follows from
+ * the direction. It brings the image of a connection up to date, at the time that `output`, unless
+ * it is null, is wanted for: the part that was asked for last, or 2 x 2 x 2 voxels.
+ */
+VTKFFDCORE_EXPORT void vtkFFDGetWholeGeometry(
+  vtkInformation* input, vtkImageData* image, vtkImageData* geometry);
+VTKFFDCORE_EXPORT void vtkFFDUpdatePart(vtkAlgorithmOutput* connection, vtkInformation* output);
 ///@}
 
 /// Whether `data` is a block of `blocks`, which may be null. An executive that hands the blocks of

@@ -122,6 +122,42 @@ class TestFiles(unittest.TestCase):
         self.assertEqual(resampled.PointData.keys(), ["RTData"])
         self.assertGreater(resampled.PointData["RTData"].GetRange()[1], 200.0)
 
+    def test_oriented_volume(self):
+        """ParaView does not pass on the direction of a volume; filters find it."""
+        name = os.path.join(ffd.TEMPORARY, "oriented.nhdr")
+        np.arange(4096, dtype=np.float32).tofile(os.path.join(ffd.TEMPORARY, "oriented.raw"))
+        for row in ("(-1,0,0) (0,-1,0)", "(.8,.6,0) (-.6,.8,0)"):
+            with open(name, "w", encoding="ascii") as file:
+                file.write("NRRD0004\ntype: float\ndimension: 3\nspace: left-posterior-superior\n"
+                           "sizes: 16 16 16\nspace directions: %s (0,0,1)\nendian: little\n"
+                           "encoding: raw\nspace origin: (5,-3,2)\ndata file: oriented.raw\n" % row)
+            volume = simple.FFDVolumeReader(FileNames=[name])
+            volume.UpdatePipeline()
+            bounds = np.array(volume.GetDataInformation().GetBounds())
+            for shape in ("None", "Twist"):
+                lattice = simple.FFDLattice(Input=volume, Shape=shape)
+                resampled = simple.FFDResampleToImage(Input=lattice, BackgroundLevel=-1.0)
+                resampled.UpdatePipeline()
+                information = resampled.GetDataInformation()
+                if shape == "None":
+                    np.testing.assert_allclose(information.GetBounds(), bounds, atol=1e-9)
+                    self.assertEqual(resampled.PointData[0].GetRange(), (0.0, 4095.0))
+                else:
+                    output = resampled.SMProxy.GetClientSideObject().GetOutputDataObject(0)
+                    values = ffd.vtk_to_numpy(output.GetPointData().GetScalars())
+                    self.assertGreater(np.count_nonzero(values >= 0.0), 3000)
+            # Landmarks within it: the lattice covers all of it, with its margin of control points.
+            middle = (bounds[::2] + bounds[1::2]) / 2.0
+            before = middle + [[-2, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 2]]
+            lines = [simple.PolyLineSource(Points=points.ravel().tolist())
+                     for points in (before, before + [0.5, 0.3, 0.0])]
+            fit = simple.FFDFitLattice(SourceLandmarks=lines[0], TargetLandmarks=lines[1], Volume=volume)
+            fit.UpdatePipeline()
+            points = fit.SMProxy.GetClientSideObject().GetOutputDataObject(0)
+            covered = np.array(points.GetBounds()).reshape(3, 2)
+            covered += np.outer(points.GetSpacing(), (1.0, -1.0))
+            np.testing.assert_allclose(covered.ravel(), bounds, atol=1e-9)
+
     def test_series(self):
         """A stack of elastix is played: at its times, and between them."""
         reader = simple.FFDTransformReader(

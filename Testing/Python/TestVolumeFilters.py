@@ -8,10 +8,15 @@ import unittest
 import numpy as np
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.util.vtkAlgorithm import VTKPythonAlgorithmBase
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet, vtkPiecewiseFunction
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
-from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
+from vtkmodules.vtkCommonExecutionModel import (
+    vtkAlgorithm,
+    vtkStreamingDemandDrivenPipeline,
+    vtkTrivialProducer,
+)
 from vtkmodules.vtkCommonTransforms import vtkLandmarkTransform, vtkTransform
 from vtkmodules.vtkFiltersCore import vtkPassThrough
 from vtkmodules.vtkFiltersGeneral import vtkTransformFilter
@@ -60,7 +65,7 @@ def vtkffd_errors(to):
 
 
 def scalars(filter_):
-    return vtk_to_numpy(filter_.GetOutput().GetPointData().GetScalars())
+    return vtk_to_numpy(filter_.GetOutputDataObject(0).GetPointData().GetScalars())
 
 
 class TestVolumeFilters(unittest.TestCase):
@@ -340,6 +345,126 @@ class TestVolumeFilters(unittest.TestCase):
             self.image.TransformContinuousIndexToPhysicalPoint([4 * i + 2 for i in index], expected)
             point = output.GetPoint(output.ComputePointId(index))
             np.testing.assert_allclose(point, expected, atol=1e-9)
+
+    def test_direction_behind_filters_that_drop_it(self):
+        """VTK's filters do not announce the direction of what they pass through."""
+        opacity = vtkPiecewiseFunction()
+        opacity.AddPoint(150.0, 0.0)
+        opacity.AddPoint(160.0, 1.0)
+        rest = vtkffd.vtkFFDLattice()
+        rest.FitToBounds(self.image.GetBounds())
+        source = vtkTrivialProducer()
+        source.SetOutput(self.image)
+        through = vtkPassThrough()
+        through.SetInputConnection(source.GetOutputPort())
+        sixty = (0.5, -0.75 ** 0.5, 0, 0.75 ** 0.5, 0.5, 0, 0, 0, 1)
+        for direction in ((-1, 0, 0, 0, -1, 0, 0, 0, 1), sixty, (0, 1, 0, 0, 0, 1, 1, 0, 0)):
+            self.image.SetOrigin(5.0, -3.0, 2.0)
+            self.image.SetDirectionMatrix(*direction)
+            lattice = make_lattice(self.image)
+            attach = vtkffd.vtkFFDDeformVolume()
+            attach.SetLattice(lattice)
+            edit = vtkffd.vtkFFDEditLattice()
+            edit.SetDimensions(4, 4, 4)
+            results = []
+            for producer in (source, through):
+                for filter_ in (attach, edit):
+                    filter_.SetInputConnection(producer.GetOutputPort())
+                pipelines = []
+                for deformation, before in ((rest, producer), (lattice, producer), (None, attach),
+                                            (None, edit), (lattice, edit)):
+                    resample = vtkffd.vtkFFDResampleVolume()
+                    resample.SetInputConnection(before.GetOutputPort())
+                    resample.SetDeformation(deformation)
+                    resample.SetBackgroundLevel(-1000.0)
+                    pipelines.append(resample)
+                for resolution in (vtkffd.vtkFFDDistanceMap.VOXELS, vtkffd.vtkFFDDistanceMap.BLOCKS):
+                    distances = vtkffd.vtkFFDDistanceMap()
+                    distances.SetInputConnection(producer.GetOutputPort())
+                    distances.SetScalarOpacity(opacity)
+                    distances.SetResolution(resolution)
+                    pipelines.append(distances)
+                jacobian = vtkffd.vtkFFDJacobian()
+                jacobian.SetInputConnection(producer.GetOutputPort())
+                jacobian.SetDeformation(lattice)
+                pipelines += [jacobian, edit]
+                for filter_ in pipelines:
+                    filter_.Update()
+                results.append([filter_.GetOutput() for filter_ in pipelines])
+                # Without deformation the output is the input.
+                np.testing.assert_array_equal(scalars(pipelines[0]), scalars(source))
+                # A part has the values of the whole.
+                whole = results[-1][1]
+                extent = whole.GetExtent()
+                middle = (extent[4] + extent[5]) // 2
+                values = vtk_to_numpy(whole.GetPointData().GetScalars()).reshape(
+                    whole.GetDimensions()[::-1])[middle - extent[4]].copy()
+                whole = vtkImageData()
+                whole.DeepCopy(pipelines[1].GetOutput())
+                results[-1][1] = whole
+                pipelines[1].Modified()
+                pipelines[1].UpdateExtent((*extent[:4], middle, middle))
+                np.testing.assert_array_equal(
+                    vtk_to_numpy(pipelines[1].GetOutput().GetPointData().GetScalars()), values.ravel())
+                # What our filters pass on they announce.
+                for filter_ in (attach, edit, jacobian, pipelines[5], pipelines[6]):
+                    self.assertEqual(
+                        bool(filter_.GetOutputInformation(0).Has(vtkImageData.DIRECTION())),
+                        producer is source, filter_.GetClassName())
+            for known, dropped in zip(*results):
+                self.assertEqual(known.GetExtent(), dropped.GetExtent())
+                np.testing.assert_array_equal(known.GetBounds(), dropped.GetBounds())
+                np.testing.assert_array_equal(
+                    vtk_to_numpy(known.GetPointData().GetScalars()),
+                    vtk_to_numpy(dropped.GetPointData().GetScalars()))
+                for i in range(9):
+                    self.assertEqual(dropped.GetDirectionMatrix().GetElement(i // 3, i % 3),
+                                     self.image.GetDirectionMatrix().GetElement(i // 3, i % 3))
+            attached = [vtkffd.vtkFFDLattice(), vtkffd.vtkFFDLattice()]
+            for i in range(2):
+                self.assertEqual(attached[i].ReadFrom(results[i][-1]), 1)
+                np.testing.assert_allclose(attached[i].GetDomain(), self.image.GetBounds(), atol=1e-9)
+
+    def test_direction_takes_few_voxels(self):
+        """That of an image that is not announced is asked for with as few of them as possible."""
+        asked = []
+
+        class Source(VTKPythonAlgorithmBase):
+            def __init__(self):
+                super().__init__(nInputPorts=0, outputType="vtkImageData")
+
+            def RequestInformation(self, request, inputs, outputs):
+                info = outputs.GetInformationObject(0)
+                info.Set(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT(), (0, 19) * 3, 6)
+                info.Set(vtkAlgorithm.CAN_PRODUCE_SUB_EXTENT(), 1)
+                return 1
+
+            def RequestData(self, request, inputs, outputs):
+                info = outputs.GetInformationObject(0)
+                extent = info.Get(vtkStreamingDemandDrivenPipeline.UPDATE_EXTENT())
+                asked.append(extent)
+                image = vtkImageData.GetData(outputs)
+                image.SetExtent(extent)
+                image.SetDirectionMatrix(-1, 0, 0, 0, 1, 0, 0, 0, -1)
+                values = np.arange(image.GetNumberOfPoints(), dtype=float)
+                image.GetPointData().SetScalars(numpy_to_vtk(values, deep=True))
+                return 1
+
+        source = Source()
+        resample = vtkffd.vtkFFDResampleVolume()
+        resample.SetInputConnection(source.GetOutputPort())
+        rest = vtkffd.vtkFFDLattice()
+        rest.FitToBounds((-19, 0, 0, 19, -19, 0))
+        resample.SetDeformation(rest)
+        resample.UpdateInformation()
+        self.assertEqual(asked, [(0, 1) * 3])
+        resample.Update()
+        self.assertEqual(asked[1:], [(0, 19) * 3])
+        self.assertEqual(resample.GetOutput().GetBounds(), (-19.0, 0.0, 0.0, 19.0, -19.0, 0.0))
+        np.testing.assert_array_equal(scalars(resample), np.arange(8000.0))
+        resample.SetInverseModeToPullBack()
+        resample.Update()
+        self.assertEqual(len(asked), 2)
 
     def test_distance_map_beside_extremes(self):
         # A value that stands for no data is far from all others; what is visible stays the same.

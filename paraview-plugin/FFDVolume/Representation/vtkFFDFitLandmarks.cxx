@@ -41,30 +41,6 @@ enum Inputs
   Region
 };
 
-/// Bounds of the whole image that an information announces.
-void AddImage(vtkInformation* info, vtkBoundingBox& box)
-{
-  if (!info || !info->Has(Pipeline::WHOLE_EXTENT()))
-  {
-    return;
-  }
-  vtkNew<vtkImageData> image;
-  image->SetExtent(info->Get(Pipeline::WHOLE_EXTENT()));
-  if (info->Has(vtkDataObject::ORIGIN()))
-  {
-    image->SetOrigin(info->Get(vtkDataObject::ORIGIN()));
-  }
-  if (info->Has(vtkDataObject::SPACING()))
-  {
-    image->SetSpacing(info->Get(vtkDataObject::SPACING()));
-  }
-  if (info->Has(vtkDataObject::DIRECTION()))
-  {
-    image->SetDirectionMatrix(info->Get(vtkDataObject::DIRECTION()));
-  }
-  box.AddBounds(image->GetBounds());
-}
-
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -196,7 +172,7 @@ bool vtkFFDFitLandmarks::UpdateFit(bool report)
   if (this->GetNumberOfInputConnections(Region) > 0)
   {
     vtkBoundingBox box;
-    AddImage(this->GetInputInformation(Region, 0), box);
+    box.AddBounds(this->RegionBounds);
     box.AddBounds(points[0]->GetBounds());
     box.AddBounds(points[1]->GetBounds());
     box.GetBounds(bounds);
@@ -216,6 +192,21 @@ bool vtkFFDFitLandmarks::UpdateFit(bool report)
 int vtkFFDFitLandmarks::RequestInformation(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
 {
+  // A process may have no voxel of the region when there are data: the bounds are found here.
+  vtkMath::UninitializeBounds(this->RegionBounds);
+  vtkInformation* region =
+    this->GetNumberOfInputConnections(Region) > 0 ? this->GetInputInformation(Region, 0) : nullptr;
+  if (region && region->Has(Pipeline::WHOLE_EXTENT()))
+  {
+    const bool isKnown = region->Has(vtkDataObject::DIRECTION()) != 0;
+    if (!isKnown)
+    {
+      vtkFFDUpdatePart(this->GetInputConnection(Region, 0), this->GetOutputInformation(0));
+    }
+    vtkNew<vtkImageData> geometry;
+    vtkFFDGetWholeGeometry(region, isKnown ? nullptr : vtkImageData::GetData(region), geometry);
+    geometry->GetBounds(this->RegionBounds);
+  }
   // How many control points there are is a result of the fit.
   vtkInformation* info = outputs->GetInformationObject(0);
   if (!this->UpdateFit(true))

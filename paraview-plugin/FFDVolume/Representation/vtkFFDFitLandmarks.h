@@ -74,6 +74,7 @@ private:
 
   vtkNew<vtkFFDFitLattice> Fit;
   vtkTimeStamp FitTime;
+  double RegionBounds[6] = { 1.0, -1.0, 1.0, -1.0, 1.0, -1.0 }; ///< of the volume to deform
 };
 
 #endif

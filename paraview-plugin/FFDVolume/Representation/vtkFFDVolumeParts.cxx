@@ -286,30 +286,6 @@ Bounds Transform(const Bounds& bounds, vtkMatrix4x4* matrix)
 }
 
 //------------------------------------------------------------------------------
-Grid Grid::FromInformation(vtkInformation* info)
-{
-  using Pipeline = vtkStreamingDemandDrivenPipeline;
-  Grid grid;
-  if (info->Has(Pipeline::WHOLE_EXTENT()))
-  {
-    info->Get(Pipeline::WHOLE_EXTENT(), grid.WholeExtent.data());
-  }
-  if (info->Has(vtkDataObject::ORIGIN()))
-  {
-    info->Get(vtkDataObject::ORIGIN(), grid.Origin.data());
-  }
-  if (info->Has(vtkDataObject::SPACING()))
-  {
-    info->Get(vtkDataObject::SPACING(), grid.Spacing.data());
-  }
-  if (info->Has(vtkDataObject::DIRECTION()))
-  {
-    info->Get(vtkDataObject::DIRECTION(), grid.Direction.data());
-  }
-  return grid;
-}
-
-//------------------------------------------------------------------------------
 Grid Grid::FromImage(vtkImageData* image, const Extent& wholeExtent)
 {
   Grid grid;

@@ -52,8 +52,6 @@ struct Grid
   std::array<double, 3> Spacing{ { 1.0, 1.0, 1.0 } };
   std::array<double, 9> Direction{ { 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0 } };
 
-  /// As pipeline information announces it.
-  static Grid FromInformation(vtkInformation* information);
   static Grid FromImage(vtkImageData* image, const Extent& wholeExtent);
   void ApplyTo(vtkImageData* image) const; ///< origin, spacing, direction
   Bounds GetBounds() const;                ///< of the whole, data coordinates
