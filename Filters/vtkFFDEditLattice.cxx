@@ -105,6 +105,13 @@ void ReduceBounds(double bounds[6])
   }
 }
 
+/// Whether bounds are those of a place: finite, and not those of nothing.
+bool AreFinite(const double bounds[6])
+{
+  return std::all_of(bounds, bounds + 6, [](double value) { return std::isfinite(value); }) &&
+    bounds[0] <= bounds[1] && bounds[2] <= bounds[3] && bounds[4] <= bounds[5];
+}
+
 /// The largest of all processes, which all call it.
 std::size_t FindLargest(std::size_t value)
 {
@@ -412,7 +419,7 @@ bool vtkFFDEditLattice::MakeLattice(
 {
   const bool ofInput = inputLattice && this->UseInputLattice;
   if (!ofInput &&
-    (!(bounds[0] <= bounds[1] && bounds[2] <= bounds[3] && bounds[4] <= bounds[5]) ||
+    (!AreFinite(bounds) ||
       !(bounds[0] < bounds[1] || bounds[2] < bounds[3] || bounds[4] < bounds[5])))
   {
     return false;
@@ -659,7 +666,12 @@ bool vtkFFDEditLattice::Attach(vtkDataObject* input, const double bounds[6], vtk
   {
     if (data->GetNumberOfPoints() > 0)
     {
-      vtkErrorMacro("The image has no extent along any axis, it passes through without a lattice.");
+      vtkErrorMacro(
+        << (AreFinite(bounds)
+               ? "The image has no extent along any axis"
+               : "The origin, the spacing, the direction or the coordinates of the image "
+                 "are not finite numbers")
+        << ", it passes through without a lattice.");
     }
     return true;
   }

@@ -7,7 +7,7 @@ import unittest
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet
+from vtkmodules.vtkCommonDataModel import vtkImageData, vtkMultiBlockDataSet, vtkRectilinearGrid
 from vtkmodules.vtkFiltersAMR import vtkImageToAMR
 from vtkmodules.vtkFiltersCore import vtkContourFilter
 from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
@@ -210,6 +210,41 @@ class TestEditLattice(unittest.TestCase):
         lattice = vtkffd.vtkFFDLattice()
         self.assertEqual(lattice.ReadFrom(self.filter.GetOutput()), 1)
         self.assertEqual(lattice.GetDomain(), (-10, 10, -10, 10, -10, 10))
+
+    def test_geometry_that_is_not_a_number(self):
+        texts = []
+
+        def note(_caller, _event, text):
+            texts.append(text)
+
+        note.CallDataType = "string0"
+        self.filter.AddObserver("ErrorEvent", note)
+        image = vtkImageData()
+        image.SetDimensions(3, 3, 3)
+        grid = vtkRectilinearGrid()
+        grid.SetDimensions(3, 3, 3)
+        for i, last in enumerate((2.0, 2.0, float("nan"))):
+            getattr(grid, "Set%sCoordinates" % "XYZ"[i])(numpy_to_vtk(numpy.array([0.0, 1.0, last]), True))
+        for setter, values, data in (
+                ("SetOrigin", (0.0, float("nan"), 0.0), image),
+                ("SetSpacing", (1.0, 1.0, float("nan")), image),
+                ("SetSpacing", (1.0, float("inf"), 1.0), image), ("SetExtent", (0, 2) * 3, grid)):
+            before = image.GetOrigin(), image.GetSpacing()
+            getattr(data, setter)(*values)
+            self.filter.SetInputDataObject(data)
+            texts.clear()
+            self.filter.Update()
+            self.assertEqual(len(texts), 1, texts)
+            self.assertIn("not finite numbers", texts[0])
+            output = self.filter.GetOutputDataObject(0)
+            self.assertFalse(vtkffd.vtkFFDLattice.HasLattice(output))
+            image.SetOrigin(before[0])
+            image.SetSpacing(before[1])
+        image.SetSpacing(0.0, 0.0, 0.0)
+        self.filter.SetInputDataObject(image)
+        texts.clear()
+        self.filter.Update()
+        self.assertIn("no extent along any axis", texts[0])
 
     def test_bad_values(self):
         for setter, bad in (("SetDimensions", (3, 4, 4)), ("SetDimensions", (4, 65, 4)),
