@@ -382,6 +382,39 @@ class TestRepresentation(unittest.TestCase):
         self.display.FFDUseCropping = 0
         self.assertEqual(ffd.differ(ffd.picture(self.view, "uncropped"), whole)[0], 0)
 
+    def test_cropping_of_oriented_volumes(self):
+        """The box of the defaults is the whole volume; half of it is that half of the volume."""
+        for direction in ([-1, 0, 0, 0, -1, 0, 0, 0, 1], [0, 1, 0, 0, 0, -1, 1, 0, 0],
+                          [0.8, -0.6, 0, 0.6, 0.8, 0, 0, 0, 1]):
+            source = ffd.make_source("vtkImageData", [2, 17] * 3,
+                                     "output.SetOrigin(5, -3, 2); output.SetDirectionMatrix(%s)" %
+                                     ", ".join(map(str, direction)))
+            for data in (simple.FFDLattice(Input=source, Shape="Twist"), source):
+                display = simple.Show(data, self.view)
+                display.SetRepresentationType("FFD Volume")
+                simple.ColorBy(display, ("POINTS", "RTData"))
+                ffd.set_functions()
+                bounds = np.array(source.GetDataInformation().GetBounds())
+                middle = (bounds[::2] + bounds[1::2]) / 2.0
+                self.view.CameraFocalPoint = middle
+                self.view.CameraPosition = middle + [0.0, 0.0, 60.0]
+                self.view.CameraViewUp = [0.0, 1.0, 0.0]
+                whole = ffd.picture(self.view, "oriented")
+                self.assertGreater(ffd.lit(whole), 1000)
+                display.FFDUseCropping = 1
+                self.assertLessEqual(ffd.differ(ffd.picture(self.view, "oriented box"), whole)[0], 3)
+                if data is source and 0.8 not in direction:
+                    display.FFDCroppingScale = [0.5, 1.0, 1.0]
+                    display.FFDCroppingOrigin = [0.5 * bounds[1], 0.0, 0.0]
+                    half = ffd.picture(self.view, "oriented half")
+                    columns = whole.shape[1] // 2
+                    self.assertEqual(ffd.lit(half[:, :columns - 2]), 0)
+                    self.assertGreater(ffd.lit(half[:, columns:]), 0.98 * ffd.lit(whole[:, columns:]))
+                    display.FFDCroppingScale = [1.0, 1.0, 1.0]
+                    display.FFDCroppingOrigin = [0.0, 0.0, 0.0]
+                display.FFDUseCropping = 0
+                simple.Hide(data, self.view)
+
     def test_trace(self):
         """A Python trace of a session gives the session again."""
         from paraview import smtrace

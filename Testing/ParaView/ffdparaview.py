@@ -46,6 +46,25 @@ def make_wavelet(half=15):
     return simple.Wavelet(WholeExtent=[-half, half] * 3)
 
 
+def make_source(kind, extent, script):
+    """A source of vtkImageData or vtkRectilinearGrid: `script` sets what `output` has but the extent and
+    the point array "RTData", which is 200."""
+    return simple.ProgrammableSource(
+        OutputDataSetType=kind,
+        ScriptRequestInformation="""
+executive = self.GetExecutive()
+executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), %s)
+""" % ", ".join(map(str, extent)),
+        Script="""
+from paraview import vtk
+output = self.GetOutput()
+output.SetExtent(%s)
+%s
+s = vtk.vtkDoubleArray(); s.SetName("RTData"); s.SetNumberOfTuples(output.GetNumberOfPoints()); s.Fill(200.0)
+output.GetPointData().AddArray(s)
+""" % (", ".join(map(str, extent)), script))
+
+
 def set_functions(opaque=False):
     """The look of the Wavelet's array, independent of what part of it a process sees."""
     simple.GetColorTransferFunction("RTData").RescaleTransferFunction(37.0, 280.0)

@@ -12,6 +12,8 @@
 #include "vtkFieldData.h"
 #include "vtkMath.h"
 #include "vtkMatrix3x3.h"
+#include "vtkMatrix4x4.h"
+#include "vtkNew.h"
 #include "vtkPointData.h"
 #include "vtkPVRenderView.h"
 #include "vtkRenderWindow.h"
@@ -28,6 +30,24 @@ namespace
 
 /// Largest factor by which interactive images are coarser, in each way.
 constexpr double LargestCoarsening = 10.0;
+
+/// Make a box of data coordinates the smallest one along the axes of the image that holds it, in
+/// the coordinates that cropping planes of rest space have: origin + index x spacing.
+void TakeIntoFrame(vtkImageData* image, double box[6])
+{
+  if (image->GetDirectionMatrix()->IsIdentity())
+  {
+    return;
+  }
+  const ffdparts::Bounds world = { box[0], box[1], box[2], box[3], box[4], box[5] };
+  vtkNew<vtkMatrix4x4> toIndex;
+  toIndex->DeepCopy(image->GetPhysicalToIndexMatrix());
+  const ffdparts::Bounds indices = ffdparts::Transform(world, toIndex);
+  for (int i = 0; i < 6; ++i)
+  {
+    box[i] = image->GetOrigin()[i / 2] + indices[i] * image->GetSpacing()[i / 2];
+  }
+}
 
 } // namespace
 
@@ -287,6 +307,10 @@ void vtkFFDVolumeRepresentation::UpdateCropping(
   for (int i = 0; i < 6; ++i)
   {
     planes[i] = this->CroppingOrigin[i / 2] + this->CroppingScale[i / 2] * bounds[i];
+  }
+  if (!deformed)
+  {
+    TakeIntoFrame(image, planes);
   }
   for (int a = 0; a < 3; ++a)
   {
