@@ -1067,6 +1067,84 @@ executive.GetOutputInformation(0).Set(executive.WHOLE_EXTENT(), 0, 4, 0, 4, 0, 4
         self.assertEqual(ffd.lit(picture), 0)
         self.assertTrue(errors.say("FFD Volume", "21 x 21 x 1"), errors.text)
 
+    def test_geometry_that_cannot_be_rendered(self):
+        """The mapper's words, once for each change."""
+        def coordinates(numbers):
+            return """
+for axis in "XYZ":
+    a = vtk.vtkDoubleArray()
+    for x in (%s): a.InsertNextValue(float(x))
+    getattr(output, "Set%%sCoordinates" %% axis)(a)
+""" % numbers
+
+        image, grid = "vtkImageData", "vtkRectilinearGrid"
+        for kind, good, wrong, word in (
+                (grid, coordinates("0, 1, 3, 4"), coordinates("0, 1, 1, 4"), "do not rise"),
+                (grid, coordinates("0, 1, 3, 4"), coordinates("4, 3, 1, 0"), "do not rise"),
+                (grid, coordinates("0, 1, 3, 4"), coordinates("0, 'nan', 3, 4"), "coordinates"),
+                (image, "", "output.SetSpacing(1, 0, 1)", "spacing"),
+                (image, "", "output.SetSpacing(1, float('nan'), 1)", "spacing"),
+                (image, "", "output.SetOrigin(float('nan'), 0, 0)", "origin"),
+                (image, "", "output.SetSpacing(1e30, 1e30, 1e30)", "cannot be rendered"),
+                (image, "", "output.SetSpacing(1e-30, 1e-30, 1e-30)", "cannot be rendered")):
+            sources = [ffd.make_source(kind, [0, 3] * 3, script) for script in (good, wrong)]
+            data = simple.PassArrays(Input=sources[0], PointDataArrays=["RTData"])
+            display = simple.Show(data, self.view)
+            display.SetRepresentationType("FFD Volume")
+            simple.ColorBy(display, ("POINTS", "RTData"))
+            ffd.set_functions()
+            self.view.CameraPosition = [8.0, 9.0, 10.0]
+            before = ffd.picture(self.view, "right geometry")
+            self.assertGreater(ffd.lit(before), 300)
+            for _ in range(2):
+                data.Input = sources[1]
+                with ffd.Errors() as errors:
+                    for _ in range(3):
+                        self.assertEqual(ffd.lit(ffd.picture(self.view, "wrong geometry")), 0)
+                self.assertEqual(len(errors.text), 1, (wrong, errors.text))
+                self.assertTrue(errors.say(word), errors.text)
+                data.Input = sources[0]
+                with ffd.Errors() as errors:
+                    after = ffd.picture(self.view, "right geometry again")
+                self.assertEqual(errors.text, [])
+                self.assertLess(ffd.differ(after, before)[1], 0.01)
+            # A lattice is not put over what has no place.
+            if kind == image and "nan" in wrong:
+                lattice = simple.FFDLattice(Input=sources[1])
+                with ffd.Errors() as errors:
+                    lattice.UpdatePipeline()
+                self.assertTrue(errors.say("not finite", "without a lattice"), errors.text)
+                simple.Delete(lattice)
+            simple.Delete(data)
+
+    def test_array_that_is_not_there(self):
+        data = simple.PassArrays(Input=ffd.make_wavelet(8), PointDataArrays=["RTData"])
+        for source in (data, simple.FFDLattice(Input=data, Shape="Bend")):
+            display = simple.Show(source, self.view)
+            display.SetRepresentationType("FFD Volume")
+            simple.ColorBy(display, ("POINTS", "RTData"))
+            ffd.set_functions()
+            before = ffd.picture(self.view, "array")
+            for wrong in ("missing", "RTData"):
+                display.ColorArrayName = ["POINTS", wrong]
+                data.PointDataArrays = ["RTData"] if wrong == "missing" else []
+                with ffd.Errors() as errors:
+                    for _ in range(3):
+                        self.assertEqual(ffd.lit(ffd.picture(self.view, "missing array")), 0)
+                self.assertEqual(len(errors.text), 1, errors.text)
+                self.assertTrue(errors.say("FFD Volume", '"%s"' % wrong), errors.text)
+                display.ColorArrayName = ["POINTS", "RTData"]
+                data.PointDataArrays = ["RTData"]
+                with ffd.Errors() as errors:
+                    after = ffd.picture(self.view, "array again")
+                self.assertEqual(errors.text, [])
+                self.assertLess(ffd.differ(after, before)[1], 0.01)
+            display.ColorArrayName = ["POINTS", ""]
+            with ffd.Errors() as errors:
+                ffd.picture(self.view, "no array")
+            self.assertEqual(errors.text, [])
+            simple.Hide(source, self.view)
+
     def test_not_a_number(self):
         """What is not a number is transparent; the rest is drawn as ever."""
         wavelet = simple.Wavelet(WholeExtent=[-10, 10, -10, 10, -10, 10])

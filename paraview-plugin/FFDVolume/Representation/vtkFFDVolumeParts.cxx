@@ -11,13 +11,11 @@
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImageData.h"
-#include "vtkInformation.h"
 #include "vtkMatrix3x3.h"
 #include "vtkMatrix4x4.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkPointData.h"
-#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkUnsignedCharArray.h"
 
 #include <vtksys/SystemInformation.hxx>
@@ -294,6 +292,17 @@ Grid Grid::FromImage(vtkImageData* image, const Extent& wholeExtent)
   image->GetSpacing(grid.Spacing.data());
   std::copy_n(image->GetDirectionMatrix()->GetData(), 9, grid.Direction.begin());
   return grid;
+}
+
+//------------------------------------------------------------------------------
+bool Grid::operator==(const Grid& other) const
+{
+  const auto areEqual = [](const auto& mine, const auto& others) {
+    return std::equal(mine.begin(), mine.end(), others.begin(),
+      [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
+  };
+  return this->WholeExtent == other.WholeExtent && areEqual(this->Origin, other.Origin) &&
+    areEqual(this->Spacing, other.Spacing) && areEqual(this->Direction, other.Direction);
 }
 
 //------------------------------------------------------------------------------

@@ -22,7 +22,6 @@
 class vtkFFDInverseRayVolumeMapper;
 class vtkFFDLattice;
 class vtkImageData;
-class vtkInformation;
 class vtkMatrix4x4;
 class vtkMultiProcessController;
 
@@ -56,11 +55,8 @@ struct Grid
   void ApplyTo(vtkImageData* image) const; ///< origin, spacing, direction
   Bounds GetBounds() const;                ///< of the whole, data coordinates
 
-  bool operator==(const Grid& other) const
-  {
-    return this->WholeExtent == other.WholeExtent && this->Origin == other.Origin &&
-      this->Spacing == other.Spacing && this->Direction == other.Direction;
-  }
+  /// What is not a number equals itself here, or else such an image would change all the time.
+  bool operator==(const Grid& other) const;
 };
 
 /**

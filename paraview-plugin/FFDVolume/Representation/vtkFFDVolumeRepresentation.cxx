@@ -381,6 +381,13 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
     }
     this->NextRate = 0.0;
     const auto color = vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0));
+    const bool anyHasArray = std::any_of(images.begin(), images.end(),
+      [&color](vtkImageData* image) { return image && color.FindIn(image); });
+    // Other processes may have the blocks that have it.
+    Extent whole;
+    std::copy_n(this->WholeExtent, 6, whole.begin());
+    const bool lacksArray =
+      !anyHasArray && (GetNumberOfProcesses() == 1 || !ffdparts::IsEmpty(whole));
     for (std::size_t i = 0; i < this->Internals->AllShown.size(); ++i)
     {
       vtkImageData* image = i < images.size() ? images[i] : nullptr;
@@ -391,8 +398,13 @@ int vtkFFDVolumeRepresentation::ProcessViewRequest(
         this->UpdateSampleDistances(mapper, image, view, useLOD);
         this->UpdateCropping(mapper, image);
       }
+      const bool hasArray = image && color.FindIn(image);
+      if (hasArray || (image && i == 0 && lacksArray))
+      {
+        this->ReportProblem(i, hasArray);
+      }
       // As the superclass's actor of the first: blocks may lack the array.
-      if (i > 0 && !(image && color.FindIn(image)))
+      if (i > 0 && !hasArray)
       {
         this->Internals->AllShown[i]->Actor->SetVisibility(0);
       }

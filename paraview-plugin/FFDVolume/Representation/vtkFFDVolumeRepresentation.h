@@ -234,6 +234,7 @@ private:
   void UpdateSampleDistances(
     vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image, vtkPVRenderView* view, bool useLOD);
   void UpdateCropping(vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image);
+  void ReportProblem(std::size_t which, bool hasArray);
 
   vtkFFDInverseRayVolumeMapper* Mapper; // the superclass's VolumeMapper, that of the first volume
   double UnitDistance = 1.0;

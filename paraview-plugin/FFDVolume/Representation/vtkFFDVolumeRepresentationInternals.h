@@ -49,6 +49,7 @@ public:
     vtkSmartPointer<vtkFFDInverseRayVolumeMapper> Mapper;
     vtkSmartPointer<vtkVolume> Actor;
     vtkFFDRenderedImage Rendered;
+    vtkMTimeType ReportTime = 0; // of what was looked at for problems last
   };
   std::vector<std::unique_ptr<Shown>>
     AllShown;                          // one at least, by the superclass's mapper and actor

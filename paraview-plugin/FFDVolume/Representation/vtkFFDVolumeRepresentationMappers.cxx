@@ -244,6 +244,35 @@ void vtkFFDVolumeRepresentation::UpdateRenderedImage(std::size_t which, vtkImage
 }
 
 //------------------------------------------------------------------------------
+/// Say why an image is not shown, once for each change of it. ParaView renders no volume without
+/// bounds, so that the mapper would not say it.
+void vtkFFDVolumeRepresentation::ReportProblem(std::size_t which, bool hasArray)
+{
+  vtkInternals::Shown& volume = *this->Internals->AllShown[which];
+  const vtkMTimeType time = std::max(volume.Rendered.GetImage()->GetMTime(),
+    volume.Rendered.GetLattice() ? volume.Rendered.GetLattice()->GetMTime() : 0);
+  const auto color = vtkFFDShownArray::FromInformation(this->GetInputArrayInformation(0));
+  if (color.Name.empty() || volume.ReportTime == time)
+  {
+    return;
+  }
+  volume.ReportTime = time;
+  if (!hasArray)
+  {
+    vtkErrorMacro(<< "The representation \"FFD Volume\" shows nothing: the data have no "
+                  << (color.OfCells ? "cell" : "point") << " array \"" << color.Name
+                  << "\". Choose another one to color by.");
+    return;
+  }
+  if (!vtkMath::AreBoundsInitialized(volume.Mapper->GetBounds()))
+  {
+    // The mapper refuses that, too, and says why.
+    double point[3] = { 0.0, 0.0, 0.0 };
+    volume.Mapper->GetRestPosition(point, point);
+  }
+}
+
+//------------------------------------------------------------------------------
 /// The mapper takes distances in units of the data, before the matrix of the actor.
 void vtkFFDVolumeRepresentation::UpdateSampleDistances(
   vtkFFDInverseRayVolumeMapper* mapper, vtkImageData* image, vtkPVRenderView* view, bool useLOD)
