@@ -56,7 +56,7 @@ ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice, vtkDoubleArray* displ
 VTKFFDCORE_EXPORT bool vtkFFDHasLattice(vtkDataObject* object);
 void vtkFFDRemoveLattice(vtkDataObject* object);
 void vtkFFDWriteLattice(const ffd::Lattice& lattice, vtkDataObject* object);
-std::string vtkFFDReadLattice(vtkDataObject* object, ffd::Lattice& lattice);
+VTKFFDCORE_EXPORT std::string vtkFFDReadLattice(vtkDataObject* object, ffd::Lattice& lattice);
 ///@}
 
 ///@{

@@ -1175,6 +1175,25 @@ for axis in "XYZ":
             lattice.Displacements = [float("nan")] * 192
             lattice.UpdatePipeline()
         self.assertTrue(errors.say("must be finite"), errors.text)
+        # A number too many is not left out without a word.
+        lattice.Displacements = [1.0] * 192
+        lattice.UpdatePipeline()
+        for count in (1, 191, 193):
+            with ffd.Errors() as errors:
+                lattice.Displacements = [2.0] * count
+                lattice.UpdatePipeline()
+            self.assertTrue(errors.say("Displacements", "%d numbers" % count), errors.text)
+        # What no lattice can hold has nothing to do with files.
+        lattice.Displacements = []
+        lattice.Shape = "Twist"
+        display = simple.Show(lattice, self.view)
+        display.SetRepresentationType("FFD Volume")
+        simple.Render(self.view)
+        with ffd.Errors() as errors:
+            lattice.DisplacementScale = 1e300
+            simple.Render(self.view)
+        self.assertTrue(errors.say("at rest", "exceeds 1e100"), errors.text)
+        self.assertFalse(errors.say("Exodus"), errors.text)
 
     def test_hostile_values(self):
         """Every number of ours can be set to anything: no crash, and with the value of before the

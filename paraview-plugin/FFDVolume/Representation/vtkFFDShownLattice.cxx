@@ -3,7 +3,10 @@
 #include "vtkFFDShownLattice.h"
 
 #include "vtkFFDDeformGeometry.h"
+#include "vtkFFDLatticeData.h"
 #include "vtkFFDVolumeParts.h"
+
+#include "FFDLattice.h"
 
 #include "vtkAbstractArray.h"
 #include "vtkAbstractTransform.h"
@@ -18,6 +21,7 @@
 #include "vtkWeakPointer.h"
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 namespace
@@ -82,11 +86,16 @@ bool vtkFFDShownLattice::Read(vtkDataObject* data, vtkFFDLattice* lattice)
     isRead ? nullptr : data->GetFieldData()->GetAbstractArray("FFDLattice.Displacement");
   if (array && IsNewArray(array))
   {
-    vtkErrorWithObjectMacro(data, << "The lattice of the data is not complete, and they are shown "
-                                     "at rest. Formats of VTK keep a "
-                                     "lattice (.vti, .vtu, .vtp, .vtm, .pvd, .vtk, ...), Exodus "
-                                     "and Xdmf do not: if the data are "
-                                     "from such a file, save it anew in one of VTK's.");
+    ffd::Lattice value;
+    const std::string problem = vtkFFDReadLattice(data, value);
+    // The limit of values that are all there; all else is of arrays, which files may change.
+    const bool isOfLimit = problem.find("1e100") != std::string::npos;
+    const std::string text = isOfLimit
+      ? "The lattice of the data cannot be used, and they are shown at rest: " + problem + "."
+      : "The lattice of the data is not complete, and they are shown at rest. Formats of VTK keep "
+        "a lattice (.vti, .vtu, .vtp, .vtm, .pvd, .vtk, ...), Exodus and Xdmf do not: if the data "
+        "are from such a file, save it anew in one of VTK's.";
+    vtkErrorWithObjectMacro(data, << text);
   }
   return isRead;
 }

@@ -35,6 +35,12 @@ bool vtkSIFFDTuples::Push(vtkSMMessage* message, int offset)
   const Variant& given = message->GetExtension(ProxyState::property, offset).value();
   const int components = std::max(1, this->GetNumberOfElementsPerCommand());
   const int tuples = given.float64_size() / components;
+  if (tuples * components != given.float64_size())
+  {
+    vtkErrorMacro(<< this->GetXMLName() << " has " << given.float64_size() << " numbers, and takes "
+                  << components << " for each. They are not used, what was set before stays.");
+    return true; // said
+  }
   vtkNew<vtkDoubleArray> values;
   values->SetNumberOfComponents(components);
   values->SetNumberOfTuples(tuples);
