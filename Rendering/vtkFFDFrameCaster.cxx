@@ -365,6 +365,7 @@ std::unique_ptr<const ffd::RayCaster> vtkFFDFrameCaster::MakeCaster(const View& 
 bool vtkFFDFrameCaster::Cast(
   vtkFFDFrame& frame, const View& view, const float* depths, float* outDepths)
 {
+  const double begin = frame.GetSeconds();
   UnfinishedFrame unfinished(this->Now->Coherence);
   const vtkFFDImageRegion& region = view.Region;
   const vtkFFDFrameScene scene(
@@ -377,6 +378,7 @@ bool vtkFFDFrameCaster::Cast(
   std::vector<vtkFFDFrameCoherence::Part> tiles;
   const std::unique_ptr<const ffd::RayCaster> caster =
     this->MakeCaster(view, scene.Get(), layers, reuses, image, tiles);
+  this->PreparationTime = frame.GetSeconds() - begin;
   this->ReusedFraction = 1.0 - FindPart(tiles, region.Rays);
   this->Intervals = caster->ClassifiesIntervals();
   image.Depths = layers ? this->Now->FirstVisible.data() : outDepths;

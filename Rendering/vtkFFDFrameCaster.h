@@ -120,6 +120,9 @@ public:
 
   double GetReusedFraction() const { return this->ReusedFraction; }
 
+  /// Seconds of the last Cast() before its rays, which do not depend on their number.
+  double GetPreparationTime() const { return this->PreparationTime; }
+
   /// Whether the last frame was cast with Classification::Intervals.
   bool ClassifiesIntervals() const { return this->Intervals; }
 
@@ -149,6 +152,7 @@ private:
   vtkFFDFinalColors FinalColors; // of the frame in progress
   vtkFFDFrameLayers Layers;
   double ReusedFraction = 0.0;
+  double PreparationTime = 0.0;
   bool Intervals = false;
 };
 

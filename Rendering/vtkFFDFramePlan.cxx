@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDFramePlan.h"
 
-#include "vtkFFDFrame.h"
 #include "vtkFFDFrameCache.h"
 #include "vtkFFDFrameScene.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
@@ -22,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace
 {
@@ -39,8 +39,36 @@ constexpr double LongestMinimum = 64.0;
 /// Longest segment of ERROR_BOUND, voxels.
 constexpr double LongestInterpolant = 64.0;
 
-/// Part of the time of a moving frame that is given to its rays; drawing them takes the rest.
-constexpr double PartOfRays = 0.8;
+/// Part of the time of a moving frame in which its picture is made; drawing that takes the rest.
+constexpr double PartOfPicture = 0.8;
+
+/// The rays may always take these parts of the time of the preparation, and of the fixed time of
+/// the picture, which is only inferred.
+constexpr double PartOfPreparation = 0.25;
+constexpr double PartOfFixedTime = 0.1;
+
+/// Time of a ray for each pixel, as a part of the fixed time, at least: no ray takes no time.
+constexpr double LeastPartOfRays = 0.01;
+
+/// Time of a moving frame as a part of that of a still one, whose samples are closer: before the
+/// first one.
+constexpr double PartOfStillTime = 0.5;
+
+/// The image sample distance falls by no more than this from frame to frame: how much longer a
+/// frame with many more rays takes is uncertain.
+constexpr double LargestRefinement = 0.5;
+
+/// Standard deviations, as parts of the times: of both parts at first and at most, of their changes
+/// from frame to frame, and of the measured time. The fixed part changes less: a scene whose rays
+/// take longer and longer, and are cast farther and farther apart, is not to look like one in which
+/// they do not matter.
+constexpr double LargestDeviation = 0.3;
+constexpr double ChangeOfFixedTime = 0.03;
+constexpr double ChangeOfTimeOfRays = 0.1;
+constexpr double MeasurementNoise = 0.1;
+
+/// The part of the variances that the next frame starts from: they stay finite where the step does.
+constexpr double KeptVariance = 0.95;
 
 /// The image sample distance stays as it is between these parts of the one that is wanted, and is
 /// rounded up to so many steps a pixel: then tiles lie on whole pixels.
@@ -50,6 +78,8 @@ constexpr double StepsPerPixel = 8.0;
 
 /// Shortest segment and sample distance, voxels: below, an image would take for ever.
 constexpr double ShortestLength = 1e-3;
+
+double Square(double x) { return x * x; }
 
 } // namespace
 
@@ -172,13 +202,23 @@ bool vtkFFDFramePlan::IsMoving(vtkFFDInverseRayVolumeMapper* mapper, vtkVolume* 
 }
 
 //------------------------------------------------------------------------------
+double vtkFFDFramePlan::FindDistance(double seconds) const
+{
+  const double least = PartOfPreparation * this->Preparation + PartOfFixedTime * this->FixedTime;
+  const double left =
+    std::max(seconds - this->Preparation - this->FixedTime, std::min(seconds, least));
+  return this->TimeOfRays > 0.0 ? std::sqrt(this->TimeOfRays / left) : 0.0;
+}
+
+//------------------------------------------------------------------------------
 double vtkFFDFramePlan::FindStep(vtkFFDInverseRayVolumeMapper* mapper, double allotted) const
 {
   const double least = mapper->GetMinimumImageSampleDistance();
   const double most = std::max(least, mapper->GetMaximumImageSampleDistance());
-  const double time = PartOfRays * allotted;
   const double wanted =
-    std::clamp(time > 0.0 ? std::sqrt(this->EstimateTime() / time) : 1.0, least, most);
+    std::clamp(std::max(allotted > 0.0 ? this->FindDistance(PartOfPicture * allotted) : 1.0,
+                 LargestRefinement * this->LastStep),
+      least, most);
   // Frames of another distance have nothing in common with the last one.
   if (this->LastStep >= least && this->LastStep <= most &&
     this->LastStep >= LeastOfWanted * wanted && this->LastStep <= MostOfWanted * wanted)
@@ -209,28 +249,92 @@ bool vtkFFDFramePlan::PlaceRays(
 
 //------------------------------------------------------------------------------
 void vtkFFDFramePlan::RecordFrame(
-  double seconds, double step, bool interactive, double reusedFraction)
+  vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrameCache& cache, const Frame& frame)
 {
-  // Part of a picture tells the least that all of it would take.
-  const double perPixel = seconds * step * step / this->Pixels * (interactive ? 1.0 : 0.5);
-  this->TimePerPixel = reusedFraction > 0.0 ? std::max(this->TimePerPixel, perPixel) : perPixel;
+  if (frame.CastPart >= 1.0)
+  {
+    this->RecordTimes(frame);
+  }
+  this->RecordStillTime(mapper, cache, frame);
 }
 
 //------------------------------------------------------------------------------
-void vtkFFDFramePlan::RecordStillTime(vtkFFDInverseRayVolumeMapper* mapper,
-  const vtkFFDFrameCache& cache, const vtkFFDFrame& frame, bool interactive, double reusedFraction)
+/// A Kalman filter whose state is the two parts of the time of a picture. Frames with other numbers
+/// of rays tell the parts from each other.
+void vtkFFDFramePlan::RecordTimes(const Frame& frame)
 {
-  if (!interactive)
+  this->Preparation = frame.Preparation;
+  const double rays = 1.0 / (frame.Step * frame.Step); // as a part of one for each pixel
+  const double ofRays = std::max(0.0, frame.Picture - this->FixedTime);
+  const double measured =
+    frame.Interactive ? frame.Picture : this->FixedTime + PartOfStillTime * ofRays;
+  std::array<double, 3>& p = this->Covariance;
+  if (!this->HasTimeEstimate())
+  {
+    this->TimeOfRays = measured / rays;
+    p = { Square(LargestDeviation * measured), 0.0, Square(LargestDeviation * this->TimeOfRays) };
+    this->TimedPixels = this->Pixels;
+  }
+  const double morePixels = this->Pixels / this->TimedPixels;
+  this->TimedPixels = this->Pixels;
+  this->TimeOfRays *= morePixels;
+  const double expected = this->FixedTime + rays * this->TimeOfRays;
+  double excess = measured - expected;
+  if (frame.ReusedFraction > 0.0 && excess < 0.0)
+  {
+    // Part of a picture tells the least that all of it would take.
+    return;
+  }
+  if (frame.Interactive)
+  {
+    // One long frame may have waited for something else; a second one has not.
+    const double before = std::max(0.0, std::exchange(this->LastExcess, excess));
+    excess = std::min(excess, before);
+  }
+  p[0] = KeptVariance * p[0] + Square(ChangeOfFixedTime * expected);
+  p[1] = KeptVariance * p[1] * morePixels;
+  p[2] = KeptVariance * p[2] * Square(morePixels) +
+    Square(ChangeOfTimeOfRays * (this->FixedTime + this->TimeOfRays));
+  const double withFixed = p[0] + rays * p[1];
+  const double withRays = p[1] + rays * p[2];
+  const double noise = Square(MeasurementNoise * expected);
+  const double variance = withFixed + rays * withRays;
+  if (!(variance > 0.0))
+  {
+    return;
+  }
+  // A time that is far from the expected one shows that less was known than was thought.
+  const double less = std::max(1.0, Square(excess) / (variance + noise));
+  const double gain = less / (less * variance + noise);
+  this->FixedTime = std::max(0.0, this->FixedTime + excess * gain * withFixed);
+  this->TimeOfRays =
+    std::max(LeastPartOfRays * this->FixedTime, this->TimeOfRays + excess * gain * withRays);
+  p[0] = less * (p[0] - gain * withFixed * withFixed);
+  p[1] = less * (p[1] - gain * withFixed * withRays);
+  p[2] = less * (p[2] - gain * withRays * withRays);
+  const double largest = Square(LargestDeviation * (this->FixedTime + this->TimeOfRays));
+  const double kept = std::min(1.0, largest / std::max(p[0], p[2]));
+  for (double& element : p)
+  {
+    element *= kept;
+  }
+}
+
+//------------------------------------------------------------------------------
+/// A still frame of the same scene needs no other preparation: that is not counted.
+void vtkFFDFramePlan::RecordStillTime(
+  vtkFFDInverseRayVolumeMapper* mapper, const vtkFFDFrameCache& cache, const Frame& frame)
+{
+  if (!frame.Interactive)
   {
     // The time of an aborted frame is extrapolated from the part that was cast.
-    const double part = frame.GetCastPart();
-    const double time = part > 0.0 ? frame.GetSeconds() / part : this->StillTime;
-    this->StillTime = reusedFraction > 0.0 ? std::max(this->StillTime, time) : time;
+    const double time = frame.CastPart > 0.0 ? frame.Picture / frame.CastPart : this->StillTime;
+    this->StillTime = frame.ReusedFraction > 0.0 ? std::max(this->StillTime, time) : time;
     return;
   }
   const double voxelSize = cache.GetVoxelSize();
   const double samples =
     mapper->FindSampleDistance(voxelSize, true) / mapper->FindSampleDistance(voxelSize, false);
   const double step = mapper->GetMinimumImageSampleDistance();
-  this->StillTime = this->EstimateTime() * std::max(1.0, samples) / (step * step);
+  this->StillTime = this->FixedTime + this->TimeOfRays * std::max(1.0, samples) / (step * step);
 }

@@ -593,9 +593,8 @@ float vtkFFDInverseRayVolumeMapper::GetEstimatedRenderTime(vtkRenderer*, vtkVolu
 float vtkFFDInverseRayVolumeMapper::ComputeRequiredImageSampleDistance(
   float desiredTime, vtkRenderer*, vtkVolume*)
 {
-  const double wanted = desiredTime > 0.0f
-    ? std::sqrt(this->Internals->Plan.EstimateTime() / desiredTime)
-    : this->MaximumImageSampleDistance;
+  const double wanted = desiredTime > 0.0f ? this->Internals->Plan.FindDistance(desiredTime)
+                                           : this->MaximumImageSampleDistance;
   return static_cast<float>(std::clamp(wanted, this->MinimumImageSampleDistance,
     std::max(this->MinimumImageSampleDistance, this->MaximumImageSampleDistance)));
 }

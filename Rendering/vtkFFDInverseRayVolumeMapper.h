@@ -433,8 +433,11 @@ public:
   /**
    * Whether the image sample distance is chosen so that a frame takes the time that the renderer
    * allots to it (vtkRenderWindow::SetDesiredUpdateRate), and the interactive sample distance is
-   * used in quick frames. Default: on. Still frames then have the minimum image sample
-   * distance, one ray a pixel by default.
+   * used in quick frames. What does not depend on the number of rays, as an edit of a fine lattice
+   * or many small volumes, may take longer than that by itself: the rays then get up to a quarter
+   * of its time, but no more than is allotted: fewer would not make the frame much shorter.
+   * Default: on. Still frames then have the minimum image sample distance, one ray a pixel by
+   * default.
    */
   vtkSetMacro(AutoAdjustSampleDistances, vtkTypeBool);
   vtkGetMacro(AutoAdjustSampleDistances, vtkTypeBool);
@@ -486,8 +489,9 @@ public:
   ///@}
 
   /**
-   * Seconds that a still picture in a window is expected to take: as long as the last one did, or
-   * what follows from a moving or an aborted one. 0 before the first frame.
+   * Seconds that a still picture in a window is expected to take, without what a change of voxels,
+   * deformation or functions makes necessary before its rays are cast: as long as the last one did,
+   * or what follows from a moving or an aborted one. 0 before the first frame.
    */
   double GetExpectedStillTime();
 

@@ -32,7 +32,6 @@
 #include "vtkRenderer.h"
 #include "vtkRenderWindow.h"
 #include "vtkSmartPointer.h"
-#include "vtkTimerLog.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
@@ -431,8 +430,7 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   {
     return;
   }
-  vtkNew<vtkTimerLog> timer;
-  timer->StartTimer();
+  const double prepared = frame.GetSeconds();
   vtkFFDImageRegion whole(glm::ivec2(viewport[2], viewport[3]));
   whole.Aspect = renderer->GetTiledAspectRatio();
   whole.Stereo = true;
@@ -500,7 +498,6 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
   {
     layers = in.Caster.CastLayers(cast, pixels);
   }
-  timer->StopTimer();
   view.Complete = done;
   view.Visible = in.Caster.GetVisible();
   view.Picture = &in.Caster.GetPicture();
@@ -512,17 +509,20 @@ void vtkFFDInverseRayVolumeMapper::RenderInWindow(vtkRenderer* renderer, vtkVolu
     }
     return;
   }
-  const double seconds = timer->GetElapsedTime();
+  const double total = frame.GetSeconds();
+  const double seconds = total - prepared;
   // Levels of detail are chosen by the time that the volume takes: a still picture that is shown
   // again was cast in that of the last frame.
   const bool again = done && !moving && in.Caster.GetReusedFraction() > 0.0;
   this->TimeToDraw = again ? std::max(this->TimeToDraw, seconds) : seconds;
   if (done)
   {
-    in.Plan.RecordFrame(seconds, region.Step, interactive, in.Caster.GetReusedFraction());
     in.Shown = view;
   }
-  in.Plan.RecordStillTime(this, in.Cache, frame, interactive, in.Caster.GetReusedFraction());
+  const double preparation = prepared + in.Caster.GetPreparationTime();
+  in.Plan.RecordFrame(this, in.Cache,
+    { preparation, total - preparation, done ? 1.0 : frame.GetCastPart(), region.Step, interactive,
+      in.Caster.GetReusedFraction() });
   // After an abort the last picture: the window may be read before the next frame is there.
   if (done || in.Last.IsSameAs(view))
   {

@@ -8,12 +8,14 @@ are.
 """
 
 import itertools
+import time
 import unittest
 
 import numpy
 import vtkffd
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
+from vtkmodules.vtkFiltersProgrammable import vtkProgrammableFilter
 from vtkmodules.vtkFiltersSources import vtkLineSource, vtkSphereSource
 from vtkmodules.vtkRenderingCore import (
     vtkActor, vtkColorTransferFunction, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkVolume,
@@ -36,7 +38,7 @@ def add_geometry(renderer, source):
 
 class TestCoarseFrames(unittest.TestCase):
     def setUp(self):
-        image = vtkImageData()
+        self.image = image = vtkImageData()
         image.SetDimensions(SIZE, SIZE, SIZE)
         image.GetPointData().SetScalars(
             numpy_to_vtk(numpy.full(SIZE ** 3, 100.0, dtype=numpy.float32), deep=True))
@@ -139,6 +141,62 @@ class TestCoarseFrames(unittest.TestCase):
                 step, difference.max(), (difference > 20).sum()))
             self.assertLess((difference > 20).sum(), 20)
         self.assertGreater(reused, 0.2)
+
+    def test_time_that_rays_do_not_take(self):
+        """Fewer rays would not make such frames shorter, and a still one does not take for ever."""
+        # The volume gets all of the time that is allotted.
+        self.renderer.RemoveAllViewProps()
+        self.renderer.AddVolume(self.volume)
+        self.mapper.CollectStatisticsOn()
+        self.mapper.SetSampleDistance(1.0)
+        self.mapper.SetInteractiveSampleDistance(1.0)
+        rays = self.mapper.GetStatistics().GetNumberOfRays
+        source = vtkProgrammableFilter()
+        source.SetInputData(self.image)
+
+        def execute():
+            time.sleep(0.1)
+            source.GetOutput().ShallowCopy(self.image)
+
+        source.SetExecuteMethod(execute)
+        ways = {"before the rays": (lambda: self.mapper.SetInputConnection(
+                    source.GetOutputPort()), source.Modified),
+                "with the rays": (lambda: self.mapper.AddObserver(
+                    "StartEvent", lambda *_: time.sleep(0.1)), self.mapper.Modified)}
+        for name, (begin, change) in ways.items():
+            with self.subTest(name):
+                self.mapper.RemoveAllInputs()
+                self.mapper.SetInputData(self.image)
+                self.window.SetDesiredUpdateRate(1e-4)
+                self.window.Render()
+                still = rays()
+                begin()
+                self.window.SetDesiredUpdateRate(20.0)
+                for _ in range(12):
+                    change()
+                    self.window.Render()
+                print("%s: %d rays of %d, %g s expected" % (
+                    name, rays(), still, self.mapper.GetExpectedStillTime()))
+                self.assertGreater(rays(), still / 6)
+                self.assertLess(self.mapper.GetExpectedStillTime(), 1.0)
+
+    def test_time_that_rays_take(self):
+        """They are cast farther apart, also where they get slower with each frame."""
+        self.renderer.RemoveAllViewProps()
+        self.renderer.AddVolume(self.volume)
+        self.mapper.CollectStatisticsOn()
+        self.mapper.SetMaximumImageSampleDistance(100.0)
+        self.window.SetDesiredUpdateRate(1e-4)
+        self.window.Render()
+        still = self.mapper.GetExpectedStillTime()
+        rays = self.mapper.GetStatistics().GetNumberOfRays
+        whole = rays()
+        self.window.SetDesiredUpdateRate(10.0 / still)
+        for frame in range(40):
+            self.mapper.SetInteractiveSampleDistance(0.1 / 1.05 ** frame)
+            self.window.Render()
+        print("%d rays of %d" % (rays(), whole))
+        self.assertLess(rays(), whole / 10)
 
     def test_without_depths(self):
         # Nothing that is drawn hides the fog.
