@@ -4,9 +4,9 @@
 
 #include "vtkFFDInverseRayVolumeMapper.h"
 #include "vtkFFDPendingInput.h"
+#include "vtkFFDSceneState.h"
 
 #include "vtkCallbackCommand.h"
-#include "vtkCamera.h"
 #include "vtkCommand.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
@@ -21,7 +21,6 @@
 #include "vtkWeakPointer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -99,7 +98,6 @@ public:
 
   bool IsStillRate() const;
   void FindMappers();
-  std::array<vtkMTimeType, 3> FindSceneTime() const;
 
   vtkFFDInteractiveFrames* Self;
   vtkNew<vtkCallbackCommand> Command;
@@ -118,7 +116,7 @@ public:
   double BeginTime = 0.0; // of the frame
   std::string Title;      // of the window, while another one is shown
   std::string ShownTitle;
-  std::array<vtkMTimeType, 3> ShownTime{};
+  vtkFFDSceneState ShownState; // after the last frame that was not a still one
 };
 
 //------------------------------------------------------------------------------
@@ -231,30 +229,6 @@ void vtkFFDInteractiveFrames::vtkInternals::FindMappers()
 }
 
 //------------------------------------------------------------------------------
-/// Changes with what the volumes look like in the window.
-std::array<vtkMTimeType, 3> vtkFFDInteractiveFrames::vtkInternals::FindSceneTime() const
-{
-  const int* size = this->Window->GetSize();
-  std::array<vtkMTimeType, 3> time{ { 0, static_cast<vtkMTimeType>(size[0]),
-    static_cast<vtkMTimeType>(size[1]) } };
-  vtkCollectionSimpleIterator r;
-  vtkRendererCollection* renderers = this->Window->GetRenderers();
-  renderers->InitTraversal(r);
-  while (vtkRenderer* renderer = renderers->GetNextRenderer(r))
-  {
-    time[0] = std::max(time[0], renderer->GetActiveCamera()->GetMTime());
-    vtkVolumeCollection* volumes = renderer->GetVolumes();
-    vtkCollectionSimpleIterator v;
-    volumes->InitTraversal(v);
-    while (vtkVolume* volume = volumes->GetNextVolume(v))
-    {
-      time[0] = std::max(time[0], volume->GetRedrawMTime());
-    }
-  }
-  return time;
-}
-
-//------------------------------------------------------------------------------
 void vtkFFDInteractiveFrames::vtkInternals::Begin()
 {
   this->InFrame = true;
@@ -272,8 +246,9 @@ void vtkFFDInteractiveFrames::vtkInternals::Begin()
     this->Frame = Kind::Moving;
     return;
   }
-  const bool isShown =
-    (last == Kind::Moving || last == Kind::Coarse) && this->ShownTime == this->FindSceneTime();
+  // Between frames only: a frame modifies its renderers.
+  const bool isShown = (last == Kind::Moving || last == Kind::Coarse) &&
+    this->ShownState == vtkFFDFindSceneState(this->Window);
   // Without its interactor there is no event loop from which a still frame would follow.
   if (!this->Final && !isShown && this->Interactor && this->Interactor->GetInitialized() &&
     vtkFFDInteractiveFrames::GetExpectedStillTime(this->Window) > this->Self->LongestWait)
@@ -315,7 +290,7 @@ void vtkFFDInteractiveFrames::vtkInternals::End()
   }
   else if (this->Frame != Kind::Other)
   {
-    this->ShownTime = this->FindSceneTime();
+    this->ShownState = vtkFFDFindSceneState(this->Window);
   }
 }
 

@@ -5,22 +5,22 @@
 #include "vtkFFDFrameStages.h"
 #include "vtkFFDGuard.h"
 #include "vtkFFDInverseRayVolumeMapper.h"
+#include "vtkFFDSceneState.h"
 
-#include "vtkCamera.h"
 #include "vtkDemandDrivenPipeline.h"
 #include "vtkGarbageCollector.h"
 #include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkLight.h"
-#include "vtkLightCollection.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
 #include "vtkRenderer.h"
+#include "vtkTimeStamp.h"
 #include "vtkVolume.h"
 #include "vtkVolumeProperty.h"
 
 #include <algorithm>
+#include <utility>
 
 vtkStandardNewMacro(vtkFFDRayTracer);
 vtkFFDGuardedProcessRequestMacro(vtkFFDRayTracer);
@@ -33,7 +33,16 @@ constexpr int LargestImageSide = 16384;
 } // namespace
 
 //------------------------------------------------------------------------------
+class vtkFFDRayTracer::vtkInternals
+{
+public:
+  vtkFFDSceneState View; // that of the renderer when GetMTime() was called last
+  vtkTimeStamp ViewTime; // when that was another one than before
+};
+
+//------------------------------------------------------------------------------
 vtkFFDRayTracer::vtkFFDRayTracer()
+  : Internals(new vtkInternals)
 {
   this->SetNumberOfInputPorts(0);
   this->SetNumberOfOutputPorts(3);
@@ -141,21 +150,17 @@ vtkIdType vtkFFDRayTracer::GetNumberOfPixels() { return this->Pixels->GetNumberO
 vtkMTimeType vtkFFDRayTracer::GetMTime()
 {
   vtkMTimeType time = this->Superclass::GetMTime();
-  if (this->Renderer && this->Renderer->IsActiveCameraCreated())
-  {
-    time = std::max(time, this->Renderer->GetActiveCamera()->GetMTime());
-  }
+  vtkFFDSceneState view;
   if (this->Renderer)
   {
-    vtkLightCollection* const lights = this->Renderer->GetLights();
-    time = std::max(time, lights->GetMTime());
-    vtkCollectionSimpleIterator place;
-    lights->InitTraversal(place);
-    while (vtkLight* const light = lights->GetNextLight(place))
-    {
-      time = std::max(time, light->GetMTime());
-    }
+    vtkFFDAddView(this->Renderer, view);
   }
+  if (view != this->Internals->View)
+  {
+    this->Internals->View = std::move(view);
+    this->Internals->ViewTime.Modified();
+  }
+  time = std::max(time, this->Internals->ViewTime.GetMTime());
   if (this->Volume)
   {
     time = std::max<vtkMTimeType>(

@@ -43,6 +43,8 @@
 #include "vtkNew.h"                // for vtkNew
 #include "vtkPolyDataAlgorithm.h"
 
+#include <memory> // For std::unique_ptr
+
 class vtkIdTypeArray;
 class vtkRenderer;
 class vtkVolume;
@@ -91,8 +93,8 @@ public:
   vtkIdType GetNumberOfPixels();
   ///@}
 
-  /// Includes the renderer's camera and lights, the volume, its property, its mapper and what leads
-  /// to the mapper's input.
+  /// Includes the renderer's camera, lights and lighting, the volume, its property, its mapper and
+  /// what leads to the mapper's input.
   vtkMTimeType GetMTime() override;
 
   /// Overridden so that data that do not fit into the memory are an error, not an exception.
@@ -115,6 +117,9 @@ private:
   vtkVolume* Volume = nullptr;
   int ImageSize[2] = { 512, 512 };
   vtkNew<vtkIdTypeArray> Pixels;
+
+  class vtkInternals;
+  std::unique_ptr<vtkInternals> Internals;
 };
 
 #endif

@@ -14,8 +14,16 @@ import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import VTK_DOUBLE_MAX
 from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction
+from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkImagingCore import vtkRTAnalyticSource
 from vtkmodules.vtkRenderingCore import (
+    vtkActor,
+    vtkAssembly,
+    vtkCamera,
+    vtkLight,
+    vtkLightCollection,
+    vtkLODProp3D,
+    vtkPolyDataMapper,
     vtkRenderer,
     vtkRenderWindow,
     vtkRenderWindowInteractor,
@@ -154,6 +162,121 @@ class InteractiveFrames(unittest.TestCase):
                 show()
                 frames.SetInteractor(None)
                 self.assertEqual(len(rendered), 1)
+
+    def test_changes_of_the_scene(self):
+        """After each of them the window does not show the scene any more."""
+        renderer = self.window.GetRenderers().GetFirstRenderer()
+        camera = renderer.GetActiveCamera()
+        volume = renderer.GetVolumes().GetLastProp()
+        light = vtkLight()
+        light.SetLightTypeToSceneLight()
+        renderer.AddLight(light)
+        cameras = []
+        for i in range(6):
+            cameras.append(vtkCamera())
+            cameras[i].DeepCopy(camera)
+            cameras[i].Azimuth(9.0 * i)
+        others = []
+        for i in range(6):
+            others.append(vtkVolume())
+            others[i].ShallowCopy(volume)
+            others[i].SetMapper(self.mapper.NewInstance())
+            others[i].GetMapper().SetInputConnection(self.mapper.GetInputConnection(0, 0))
+            others[i].SetPosition(3.0 * i, 0.0, 0.0)
+        part = vtkVolume()
+        part.ShallowCopy(volume)
+        assembly = vtkAssembly()
+        assembly.AddPart(part)
+        levels = vtkLODProp3D()
+        levels.AddLOD(self.mapper, volume.GetProperty(), 0.0)
+        actor = vtkActor()
+        actor.SetMapper(vtkPolyDataMapper())
+        sphere = vtkSphereSource()
+        actor.GetMapper().SetInputConnection(sphere.GetOutputPort())
+        changes = {
+            "opacity": lambda i: volume.GetProperty().SetScalarOpacityUnitDistance(2.0 + 0.1 * i),
+            "camera": lambda i: camera.Azimuth(1.0),
+            "older camera": lambda i: renderer.SetActiveCamera(cameras[5 - i]),
+            "light intensity": lambda i: light.SetIntensity(1.0 - 0.1 * i),
+            "light position": lambda i: light.SetPosition(10.0 * i, 50.0, 60.0),
+            "lights": lambda i: renderer.RemoveLight(light) if i % 2 else renderer.AddLight(light),
+            "two-sided": lambda i: renderer.SetTwoSidedLighting(i % 2),
+            "viewport": lambda i: renderer.SetViewport(0.0, 0.0, 1.0 - 0.1 * i, 1.0),
+            "background": lambda i: renderer.SetBackground(0.1 * i, 0.0, 0.0),
+            "assembly": lambda i: assembly.RotateZ(9.0),
+            "part of an assembly": lambda i: part.RotateZ(9.0),
+            "levels of detail": lambda i: levels.RotateZ(9.0),
+            "actor": lambda i: actor.SetPosition(4.0 * i, 12.0, 18.0),
+            "data of an actor": lambda i: sphere.SetRadius(2.0 + i),
+            "volumes": lambda i: renderer.RemoveVolume(others[i]),
+        }
+        shown = {"assembly": [assembly], "part of an assembly": [assembly],
+                 "levels of detail": [levels], "volumes": [volume] + others}
+        for name, change in changes.items():
+            with self.subTest(name):
+                renderer.RemoveAllViewProps()
+                for prop in shown.get(name, [volume, actor]):
+                    renderer.AddViewProp(prop)
+                # The latest of all objects.
+                volume.Modified()
+                due = []
+                for i in range(5):
+                    change(i)
+                    self.window.Render()
+                    due.append(self.frames.IsStillFrameDue())
+                self.assertEqual(due, 5 * [True])
+                # And without a change the still one is made.
+                self.window.Render()
+                self.assertFalse(self.frames.IsStillFrameDue())
+
+    def test_rays_follow_the_view(self):
+        """The output of a tracer is that of a new one, also where what is new there is older."""
+        renderer = self.window.GetRenderers().GetFirstRenderer()
+        volume = renderer.GetVolumes().GetLastProp()
+        volume.GetProperty().ShadeOn()
+        old = vtkCamera()
+        lights = vtkLightCollection()
+        light = vtkLight()
+        light.SetLightTypeToSceneLight()
+        light.SetPosition(0.0, -500.0, 100.0)
+        lights.AddItem(light)
+        self.frames.RenderStill()
+        old.DeepCopy(renderer.GetActiveCamera())
+        renderer.GetActiveCamera().Azimuth(30.0)
+        renderer.GetLights().GetItemAsObject(0).SetIntensity(0.9)
+        volume.Modified()
+
+        def make():
+            tracer = vtkffd.vtkFFDRayTracer()
+            tracer.SetRenderer(renderer)
+            tracer.SetVolume(volume)
+            tracer.SetImageSize(60, 60)
+            tracer.AddPixelGrid(6, 6)
+            return tracer
+
+        def trace(tracer):
+            tracer.Update()
+            rays = tracer.GetOutput()
+            return [vtk_to_numpy(array) for array in (
+                rays.GetPoints().GetData(), rays.GetCellData().GetArray("Color"))]
+
+        tracer = make()
+        last = trace(tracer)
+        for name, change in {
+                "older lights": lambda: renderer.SetLightCollection(lights),
+                "two-sided lighting": lambda: renderer.SetTwoSidedLighting(
+                    not renderer.GetTwoSidedLighting()),
+                "older camera": lambda: renderer.SetActiveCamera(old)}.items():
+            with self.subTest(name):
+                change()
+                now, fresh = trace(tracer), trace(make())
+                for ours, theirs in zip(now, fresh):
+                    np.testing.assert_array_equal(ours, theirs)
+                self.assertFalse(all(map(np.array_equal, now, last)))
+                last = now
+                time_of_output = tracer.GetOutput().GetMTime()
+                tracer.Update()
+                self.assertEqual(tracer.GetOutput().GetMTime(), time_of_output)
 
     def serve_events(self, is_done):
         """Until it returns true, once for each interactor: VTK's loop for X does not start twice."""
