@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDFrame.h"
 
+#include "vtkFFDGuard.h"
+
 #include "vtkCollection.h"
 #include "vtkCommand.h"
 #include "vtkDataArray.h"
@@ -110,19 +112,23 @@ vtkFFDFrame::vtkFFDFrame(vtkFFDFrame*& current, vtkVolumeMapper* mapper, vtkRend
 }
 
 //------------------------------------------------------------------------------
+/// No exception of an observer may leave a destructor, nor keep the rest from being done.
 vtkFFDFrame::~vtkFFDFrame()
 {
+  const auto invoke = [this](unsigned long event) {
+    vtkFFDGuard(this->Mapper, "Render", [&] { this->Mapper->InvokeEvent(event, nullptr); });
+  };
   if (this->Started)
   {
-    this->Mapper->InvokeEvent(vtkCommand::VolumeMapperRenderEndEvent, nullptr);
-    this->Mapper->InvokeEvent(vtkCommand::EndEvent, nullptr);
+    invoke(vtkCommand::VolumeMapperRenderEndEvent);
+    invoke(vtkCommand::EndEvent);
   }
   this->Current = nullptr;
   for (const std::function<void()>& work : this->Deferred)
   {
-    work();
+    vtkFFDGuard(this->Mapper, "Render", work);
   }
-  this->KeepAlive();
+  vtkFFDGuard(this->Mapper, "Render", [this] { this->KeepAlive(); });
 }
 
 //------------------------------------------------------------------------------

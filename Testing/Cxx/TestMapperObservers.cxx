@@ -27,6 +27,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -368,6 +369,49 @@ std::string Run(const Action& action, unsigned long event, bool ofWindow)
   return std::string();
 }
 
+/// Releases, removes and throws: the frame ends with an error, the events of its end are invoked,
+/// and the next frame is as ever.
+bool TestException(unsigned long event, bool toImage)
+{
+  Scene scene;
+  const Bytes expected = scene.Render();
+  int ends = 0;
+  const auto count = [](vtkObject*, unsigned long, void* data, void*) {
+    ++*static_cast<int*>(data);
+  };
+  vtkNew<vtkCallbackCommand> counter;
+  counter->SetClientData(&ends);
+  counter->SetCallback(count);
+  scene.Mapper->AddObserver(vtkCommand::VolumeMapperRenderEndEvent, counter, 1.0f);
+  scene.Mapper->AddObserver(vtkCommand::EndEvent, counter, 1.0f);
+  vtkNew<vtkCallbackCommand> thrower;
+  thrower->SetClientData(&scene);
+  thrower->SetCallback([](vtkObject*, unsigned long, void* data, void*) {
+    Scene& s = *static_cast<Scene*>(data);
+    s.Mapper->ReleaseGraphicsResources(s.Window);
+    s.Volume->SetMapper(nullptr);
+    throw std::runtime_error("of an observer");
+  });
+  const unsigned long tag = scene.Mapper->AddObserver(event, thrower);
+  if (toImage)
+  {
+    vtkNew<vtkImageData> colors;
+    scene.Mapper->RenderToImage(scene.Renderer, scene.Volume, Side, Side, colors);
+  }
+  else
+  {
+    scene.Render();
+  }
+  const bool told = scene.Log->Had("of an observer");
+  scene.Mapper->RemoveObserver(tag);
+  scene.Volume->SetMapper(scene.Mapper);
+  scene.Log->Count = 0;
+  const bool ok = told && ends == 2 && scene.Render() == expected && scene.Log->Count == 0;
+  std::cout << (ok ? "ok    " : "WRONG ") << vtkCommand::GetStringFromEventId(event)
+            << (toImage ? " of an image" : "") << " that throws: " << ends << " ends\n";
+  return ok;
+}
+
 } // namespace
 
 int TestMapperObservers(int argc, char* argv[])
@@ -398,6 +442,15 @@ int TestMapperObservers(int argc, char* argv[])
       std::cout << (what.empty() ? "ok    " : "WRONG ") << event.Name << ", " << action.Name << ": "
                 << what << std::endl;
       wrong += what.empty() ? 0 : 1;
+    }
+  }
+  for (const unsigned long event :
+    { vtkCommand::StartEvent, vtkCommand::VolumeMapperRenderStartEvent, vtkCommand::ProgressEvent,
+      vtkCommand::VolumeMapperRenderEndEvent, vtkCommand::EndEvent })
+  {
+    for (const bool toImage : { false, true })
+    {
+      wrong += TestException(event, toImage) ? 0 : 1;
     }
   }
   FFD_CHECK(wrong == 0);
