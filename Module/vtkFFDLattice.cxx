@@ -736,6 +736,12 @@ int vtkFFDLattice::ToImageData(vtkImageData* image)
     vtkErrorMacro("ToImageData: the image is null. Give a vtkImageData to fill.");
     return 0;
   }
+  if (image == this->Lattice->Image)
+  {
+    vtkErrorMacro("ToImageData: the image is that of GetCoefficientData(), which holds the control "
+                  "points themselves. Give an image of its own.");
+    return 0;
+  }
   this->FollowInverse();
   return vtkFFDGuard(this, "ToImageData", [&] {
     image->DeepCopy(this->Lattice->Image);

@@ -103,6 +103,7 @@ int TestFFDLatticeBadInput(int, char*[])
     { "AttachTo: the data object is null", [&] { lattice->AttachTo(nullptr); } },
     { "the data object is null", [&] { lattice->ReadFrom(nullptr); } },
     { "ToImageData: the image is null", [&] { lattice->ToImageData(nullptr); } },
+    { "Give an image of its own", [&] { lattice->ToImageData(lattice->GetCoefficientData()); } },
     { "it is null", [&] { lattice->FromImageData(nullptr); } },
     { "no point scalars with 3 components", [&] { lattice->FromImageData(oneComponent); } },
     { "no point scalars", [&] { lattice->FromImageData(noScalars); } },
