@@ -257,8 +257,10 @@ public:
   void SetInverseTolerance(double tolerance) override;
   ///@}
 
-  /// How the displacements go on beyond the lattice, see vtkBSplineTransform. Default:
-  /// VTK_BSPLINE_EDGE.
+  /**
+   * How the displacements go on beyond the lattice, see vtkBSplineTransform. Default:
+   * VTK_BSPLINE_EDGE.
+   */
   void SetBorderMode(int mode) override;
 
   /// Share the control points of another lattice: an edit of one is seen by both, until one gets

@@ -12,6 +12,8 @@ Helpers to add tests. One line per test in the CMakeLists.txt of the test's fold
 Options, where they apply:
   RENDERING      opens a render window: gets the label "rendering", Mesa's software rasterizer, and
                  fails with a message when there is no X display
+  OWN_DISPLAY    runs under an X server of its own (with-xvfb.sh): a pointer that it moves must not
+                 meet the windows of other tests
   LABELS <l>...  further ctest labels (each test has the label of its kind: kernels, cxx, python)
   TIMEOUT <s>    seconds, default FFD_TEST_TIME_LIMIT (an hour)
   ARGS <a>...    extra arguments
@@ -232,19 +234,23 @@ function (ffd_build_cxx_tests)
       VTK::RenderingVolumeOpenGL2)
 endfunction ()
 
-# ffd_add_python_test(<file>.py [RENDERING] [LABELS ...] [TIMEOUT s] [ARGS ...])
+# ffd_add_python_test(<file>.py [RENDERING] [OWN_DISPLAY] [LABELS ...] [TIMEOUT s] [ARGS ...])
 # The file runs as a script that ends in unittest.main(). "import vtkffd" is the build tree's
 # package; FFD_TEST_DATA, FFD_TEST_BASELINE and FFD_TEST_TEMPORARY in the environment are the
 # folders of inputs, baseline images and output.
 function (ffd_add_python_test file)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "RENDERING" "TIMEOUT" "LABELS;ARGS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "RENDERING;OWN_DISPLAY" "TIMEOUT" "LABELS;ARGS")
   if (arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "ffd_add_python_test(${file}): unknown arguments ${arg_UNPARSED_ARGUMENTS}.")
   endif ()
   ffd_list_test_sources(py "${file}")
   get_filename_component(name "${file}" NAME_WE)
+  set(server)
+  if (arg_OWN_DISPLAY)
+    set(server "${CMAKE_SOURCE_DIR}/Module/CMake/with-xvfb.sh")
+  endif ()
   add_test(NAME "Python.${name}"
-    COMMAND "${Python3_EXECUTABLE}" "${CMAKE_CURRENT_SOURCE_DIR}/${file}" ${arg_ARGS})
+    COMMAND ${server} "${Python3_EXECUTABLE}" "${CMAKE_CURRENT_SOURCE_DIR}/${file}" ${arg_ARGS})
   set_tests_properties("Python.${name}" PROPERTIES
     FAIL_REGULAR_EXPRESSION "skipped=[0-9];Ran 0 tests")
   set(rendering)

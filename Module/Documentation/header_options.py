@@ -110,7 +110,7 @@ def options_of(code, enums, getters):
         name, parameters, override = match.groups()
         one_of_many = re.match(r"int (i|index)\b", parameters)
         # The getter of a number that the superclass has, too, is there.
-        inherited = override and re.match(r"(?:double|int) \w+$", parameters)
+        inherited = override and name != "Enabled" and re.match(r"(?:double|int) \w+$", parameters)
         if (name in getters or inherited) and not one_of_many:
             values = values_of(name, "", "", code, enums) or type_in_words(parameters)
             found.setdefault(name, (match.start(), values))

@@ -125,6 +125,7 @@ class Scene:
         self.second = second
         self.image.GetPointData().AddArray(second)
         self.lattice = make_lattice()
+        self.lattice.SetDisplacement(2, 2, 2, 3.0, 1.0, 0.0)
         self.property = make_property()
         self.property.SetGradientOpacity(make_gradient())
         self.property.SetTransferFunction2D(make_function_2d())
@@ -448,8 +449,10 @@ def make_prop():
 
 
 SUBJECTS = {
+    # Segments of the length of the volume, and shorter ones.
     "mapper": [Subject(lambda s: s.mapper, vtkffd.vtkFFDInverseRayVolumeMapper,
-                       lambda: Scene(windows=True)),
+                       lambda: Scene(windows=True),
+                       arguments={"SetMaximumSegmentLength": [[4.0], [2.0]]}),
                Subject(lambda s: s.mapper, vtkffd.vtkFFDInverseRayVolumeMapper,
                        lambda: Scene(vectors=True),
                        only="Vector|NormalFrom|RangeType|Termination|2D")],

@@ -3,6 +3,7 @@
 """A long still frame is preceded by a coarse one, tells how far it is, is aborted by input, and is
 made again later."""
 
+import gc
 import time
 import unittest
 
@@ -64,6 +65,9 @@ class InteractiveFrames(unittest.TestCase):
         self.frames.SetInteractor(None)
         # In VTK 9.5 a loop serves the timers of all interactors, and ends when one says so.
         self.interactor.DestroyTimer(self.timer)
+        # In VTK 9.1 no interactor may be deleted while the loop of another one runs.
+        self.interactor = self.frames = self.window = self.mapper = None
+        gc.collect()
 
     def frames_of_a_window(self, longest_wait):
         interactor = vtkGenericRenderWindowInteractor()
@@ -163,7 +167,7 @@ class InteractiveFrames(unittest.TestCase):
                 frames.SetInteractor(None)
                 self.assertEqual(len(rendered), 1)
 
-    def test_changes_of_the_scene(self):
+    def test_window_after_changes(self):
         """After each of them the window does not show the scene any more."""
         renderer = self.window.GetRenderers().GetFirstRenderer()
         camera = renderer.GetActiveCamera()
