@@ -148,6 +148,7 @@ private:
   /// Samples the places that lie in the box.
   bool SamplePlaces()
   {
+    this->Places.clear();
     for (const glm::dvec3& place : this->Sampler.Places)
     {
       if (glm::all(glm::greaterThanEqual(place, this->Fit.Lower)) &&

@@ -3,6 +3,7 @@
 // The lattice as a value, and its map: what keeps the map keeps it, bounds hold, bad values are
 // named.
 #include "FFDFunctionFit.h"
+#include "FFDGridIndex.h"
 #include "FFDLattice.h"
 #include "FFDLatticeMap.h"
 #include "RandomLattice.h"
@@ -260,6 +261,45 @@ TEST(Lattice, FitFollowsADisplacement)
     return false;
   };
   EXPECT_EQ(FunctionFit(bad, domain.Min, glm::dvec3(1.0)).Run(limits), FitStatus::NotFinite);
+}
+
+TEST(Lattice, FitGoesOnWhereItStopped)
+{
+  // Curved along x alone.
+  DisplacementSampler wave;
+  std::size_t taken = 0;
+  wave.Sample = [&](const std::vector<glm::dvec3>& points, std::vector<glm::dvec3>& values) {
+    values.clear();
+    taken += points.size();
+    for (const glm::dvec3& p : points)
+    {
+      values.push_back({ 0.0, std::sin(12.0 * p.x), 0.1 * p.z });
+    }
+    return true;
+  };
+  FitLimits limits;
+  limits.Tolerance = 1e-3;
+  const glm::dvec3 lower(0.0);
+  const glm::dvec3 extent(1.0);
+  FunctionFit whole(wave, lower, extent);
+  EXPECT_EQ(whole.Run(limits), FitStatus::Reached);
+  const FittedNet& expected = whole.GetNet();
+  EXPECT_GT(expected.Cells.x, 8);
+  EXPECT_EQ(expected.Cells.y, 4);
+  EXPECT_EQ(expected.Cells.z, 4);
+
+  FunctionFit fit(wave, lower, extent);
+  limits.MaximumCells = 8;
+  EXPECT_EQ(fit.Run(limits), FitStatus::NotReached);
+  EXPECT_EQ(fit.GetNet().Cells, glm::ivec3(8, 4, 4));
+  EXPECT_GT(fit.GetNet().LargestError, limits.Tolerance);
+  taken = 0;
+  limits.MaximumCells = 64;
+  EXPECT_EQ(fit.Run(limits), FitStatus::Reached);
+  EXPECT_EQ(fit.GetNet().Cells, expected.Cells);
+  EXPECT_EQ(fit.GetNet().Net.Values, expected.Net.Values);
+  // What was sampled is not sampled again.
+  EXPECT_LE(taken + 17 * 17 * 17, GridSize(glm::max(2 * expected.Cells, 16) + 1));
 }
 
 TEST(LatticeMap, InvertsTheMap)
