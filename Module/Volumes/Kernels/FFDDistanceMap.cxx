@@ -24,19 +24,20 @@ static_assert(DistanceMap::NearCode == LargestBlockDistance + 1, "smaller codes 
 /// Rows of a plane in a search along the third axis.
 constexpr int RowsAtOnce = 4;
 
-/// Calls take(block, index) for the blocks of a parent; `index`: of the block in the grid of
-/// blocks.
+/// Calls take(block, index) for the blocks of the parents from `first` on, before `end`; `index`:
+/// of the block in the grid of blocks.
 template <class Take>
-void ForChildren(const glm::ivec3& parent, const glm::ivec3& blocks, const Take& take)
+void ForChildren(
+  const glm::ivec3& first, const glm::ivec3& end, const glm::ivec3& blocks, const Take& take)
 {
-  const glm::ivec3 first = 2 * parent;
-  const glm::ivec3 end = glm::min(first + 2, blocks);
-  for (int k = first.z; k < end.z; ++k)
+  const glm::ivec3 low = 2 * first;
+  const glm::ivec3 high = glm::min(2 * end, blocks);
+  for (int k = low.z; k < high.z; ++k)
   {
-    for (int j = first.y; j < end.y; ++j)
+    for (int j = low.y; j < high.y; ++j)
     {
-      std::size_t index = GridIndex(first.x, j, k, blocks);
-      for (int i = first.x; i < end.x; ++i, ++index)
+      std::size_t index = GridIndex(low.x, j, k, blocks);
+      for (int i = low.x; i < high.x; ++i, ++index)
       {
         take(glm::ivec3(i, j, k), index);
       }
@@ -55,18 +56,23 @@ public:
   {
   }
 
-  /// Calls take(block, index, empty) for the blocks of a parent, see ForChildren().
-  template <class Take>
-  void ForBlocksOf(const glm::ivec3& parent, const Take& take) const
+  /// Makes the distances of the blocks of a row of parents LargestBlockDistance where they are
+  /// empty, 0 elsewhere.
+  void FindOccupancy(int y, int z, std::uint8_t* distances) const
   {
-    const bool all =
-      this->Ask([&parent](const MinMaxBlocks& blocks) { return blocks.GetParentLimits(parent); });
-    ForChildren(
-      parent, this->Components[0]->GetBlocks(), [&](const glm::ivec3& block, std::size_t index) {
-        take(block, index, all || this->Ask([&block](const MinMaxBlocks& blocks) {
-          return blocks.GetLimits(block);
-        }));
-      });
+    const MinMaxBlocks& blocks = *this->Components[0];
+    for (int x = 0; x < blocks.GetParents().x; ++x)
+    {
+      const glm::ivec3 parent(x, y, z);
+      const bool all =
+        this->Ask([&parent](const MinMaxBlocks& each) { return each.GetParentLimits(parent); });
+      ForChildren(
+        parent, parent + 1, blocks.GetBlocks(), [&](const glm::ivec3& block, std::size_t index) {
+          const bool empty =
+            all || this->Ask([&block](const MinMaxBlocks& each) { return each.GetLimits(block); });
+          distances[index] = empty ? LargestBlockDistance : std::uint8_t(0);
+        });
+    }
   }
 
 private:
@@ -107,26 +113,13 @@ public:
     }
   }
 
-  template <class Take>
-  void ForBlocksOf(const glm::ivec3& parent, const Take& take) const
+  /// As LimitsTest does.
+  void FindOccupancy(int y, int z, std::uint8_t* distances) const
   {
-    const MinMaxBlocks::CodeLimits codes = this->Blocks.GetParentCodes(parent);
-    if (codes.Min > codes.Max || codes.Max < this->GetFirstVisible(codes.Min))
-    {
-      ForChildren(parent, this->Blocks.GetBlocks(),
-        [&](const glm::ivec3& block, std::size_t index) { take(block, index, true); });
-      return;
-    }
-    const MinMaxBlocks::BlockThresholds thresholds =
-      this->Blocks.FindThresholds(codes, [this](int code) { return this->GetFirstVisible(code); });
-    ForChildren(parent, this->Blocks.GetBlocks(), [&](const glm::ivec3& block, std::size_t index) {
-      take(block, index, !this->Blocks.Reaches(index, thresholds));
-    });
+    this->Blocks.FindReaching(y, z, this->FirstVisible, distances);
   }
 
 private:
-  int GetFirstVisible(int code) const { return this->FirstVisible[static_cast<std::size_t>(code)]; }
-
   const MinMaxBlocks& Blocks;
   /// The least maximum with which blocks are visible whose minimum is a code.
   std::vector<int> FirstVisible;
@@ -217,15 +210,20 @@ void DistanceMap::FindOccupancy(
 {
   for (int y = 0; y < parents.y; ++y)
   {
-    for (int x = 0; x < parents.x; ++x)
-    {
-      test.ForBlocksOf({ x, y, parentPlane },
-        [this, &cover](const glm::ivec3& block, std::size_t index, bool empty) {
-          const bool hidden = empty || cover.Hides(block, index);
-          this->Codes[index] = static_cast<std::uint8_t>(hidden ? LargestBlockDistance : 0);
-        });
-    }
+    test.FindOccupancy(y, parentPlane, this->Codes.data());
   }
+  if (!cover.IsNeeded())
+  {
+    return;
+  }
+  const glm::ivec3 first(0, 0, parentPlane);
+  ForChildren(first, { parents.x, parents.y, parentPlane + 1 }, this->Blocks,
+    [this, &cover](const glm::ivec3& block, std::size_t index) {
+      if (this->Codes[index] == 0 && cover.Hides(block, index))
+      {
+        this->Codes[index] = LargestBlockDistance;
+      }
+    });
 }
 
 //------------------------------------------------------------------------------
@@ -239,9 +237,7 @@ void DistanceMap::TransformPlane(int k)
   {
     steps.FindDistances(plane + static_cast<std::size_t>(j) * nx, nx, work.data());
   }
-  const std::size_t count = static_cast<std::size_t>(this->Blocks.y);
-  work.resize(count * DistanceSteps::LinesAtOnce);
-  steps.TransformLines(plane, count, nx, nx, work.data());
+  steps.TransformPlane(plane, nx, static_cast<std::size_t>(this->Blocks.y));
 }
 
 //------------------------------------------------------------------------------

@@ -101,6 +101,7 @@ private:
     const MinMaxBlocks* Mask;
     const std::vector<std::uint8_t>* Hidden;
 
+    bool IsNeeded() const { return this->Mask || (this->Hidden && !this->Hidden->empty()); }
     bool Hides(const glm::ivec3& block, std::size_t index) const;
   };
 

@@ -468,9 +468,13 @@ void MinMaxBlocks::SetCodes(bool integral)
     const double gaps[2] = { common.Min - this->Range.Min, this->Range.Max - common.Max };
     this->CodeStep = below && above ? std::min(gaps[0], gaps[1]) : std::max(gaps[0], gaps[1]);
   }
+  // Scalars that differ by rounding errors alone have one code: none is the first or the last one
+  // because of these.
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  const double largest = std::max(std::abs(common.Min), std::abs(common.Max));
+  this->CodeStep = std::max(this->CodeStep, 16.0 * epsilon * largest);
   this->FirstScalar = common.Min - (below ? this->CodeStep : 0.0);
-  this->Rounding = 8.0 * std::numeric_limits<double>::epsilon() *
-    std::max(std::abs(this->FirstScalar), std::abs(common.Max));
+  this->Rounding = 8.0 * epsilon * std::max(std::abs(this->FirstScalar), std::abs(common.Max));
 }
 
 //------------------------------------------------------------------------------
@@ -636,7 +640,6 @@ void MinMaxBlocks::EncodeParents(int y, int z, Children& children)
       { static_cast<int>(x), y, z }, all.Min <= all.Max ? all : CodeLimits{ 1, 0 });
     width[x] = std::max(width[x] - least[x], static_cast<float>(LastMaximum));
   }
-  constexpr BlockSteps::Encoding encoding{ LastMinimum, LastMaximum, MinimumBits, NoNumber };
   for (int c = 0; c < 8; ++c)
   {
     const glm::ivec3 first(c & 1, 2 * y + (c >> 1 & 1), 2 * z + (c >> 2));
@@ -644,12 +647,72 @@ void MinMaxBlocks::EncodeParents(int y, int z, Children& children)
     {
       continue;
     }
-    steps.Encode(encoding, min[c], max[c], least, width, count, children.Codes.data());
+    steps.Encode(BlockEncoding, min[c], max[c], least, width, count, children.Codes.data());
     std::uint8_t* const to = &this->Codes[GridIndex(first, this->Blocks)];
     const std::size_t existing = static_cast<std::size_t>((this->Blocks.x - first.x + 1) / 2);
     for (std::size_t x = 0; x < existing; ++x)
     {
       to[2 * x] = children.Codes[x];
+    }
+  }
+}
+
+//------------------------------------------------------------------------------
+MinMaxBlocks::BlockThresholds MinMaxBlocks::FindThresholds(
+  const CodeLimits& parent, const std::vector<int>& least) const
+{
+  BlockThresholds thresholds;
+  thresholds.fill(LastMaximum + 1);
+  const int range = parent.Max - parent.Min;
+  if (range < 0 || parent.Max < least[static_cast<std::size_t>(parent.Min)])
+  {
+    return thresholds;
+  }
+  const int width = std::max(LastMaximum, range);
+  for (int low = 0; low <= LastMinimum; ++low)
+  {
+    // The maximum of `high` is the limit of the parent, or high / LastMaximum of the width rounded
+    // up, whichever is less. Minima above the limit occur where there is no number alone.
+    const int minimum = parent.Min + width * low / (LastMinimum + 1);
+    const int more =
+      minimum > parent.Max ? range + 1 : least[static_cast<std::size_t>(minimum)] - parent.Min;
+    if (more <= range)
+    {
+      // Quotients as those of BlockSteps::Encode.
+      const float high = static_cast<float>(LastMaximum * (more - 1)) / static_cast<float>(width);
+      thresholds[static_cast<std::size_t>(low)] =
+        static_cast<std::uint8_t>(more <= 0 ? 0 : static_cast<int>(high) + 1);
+    }
+  }
+  return thresholds;
+}
+
+//------------------------------------------------------------------------------
+void MinMaxBlocks::FindReaching(
+  int y, int z, const std::vector<int>& least, std::uint8_t* distances) const
+{
+  const std::size_t count = static_cast<std::size_t>(this->Blocks.x);
+  std::vector<std::uint8_t> thresholds[LastMinimum + 1];
+  for (std::vector<std::uint8_t>& each : thresholds)
+  {
+    each.resize(count + 1);
+  }
+  for (int x = 0; x < this->Parents.x; ++x)
+  {
+    const BlockThresholds found = this->FindThresholds(this->GetParentCodes({ x, y, z }), least);
+    for (std::size_t low = 0; low < found.size(); ++low)
+    {
+      std::fill_n(&thresholds[low][2 * static_cast<std::size_t>(x)], 2, found[low]);
+    }
+  }
+  const BlockSteps steps = GetBlockSteps();
+  const std::uint8_t* const of[LastMinimum + 1] = { thresholds[0].data(), thresholds[1].data() };
+  for (int k = 2 * z; k < std::min(2 * z + 2, this->Blocks.z); ++k)
+  {
+    for (int j = 2 * y; j < std::min(2 * y + 2, this->Blocks.y); ++j)
+    {
+      const std::size_t first = GridIndex(0, j, k, this->Blocks);
+      steps.FindReaching(BlockEncoding, &this->Codes[first], of, count, distances + first);
     }
   }
 }

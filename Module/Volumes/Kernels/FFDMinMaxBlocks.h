@@ -6,6 +6,7 @@
 #include "FFDExport.h"
 #include "FFDGridIndex.h"
 #include "FFDParallelFor.h"
+#include "FFDRowSteps.h"
 #include "FFDVolumeView.h"
 
 #include <glm/vec3.hpp>
@@ -103,37 +104,13 @@ public:
       std::min(parent.Max, parent.Min + (width * high + LastMaximum - 1) / LastMaximum) };
   }
 
-  /// For each minimum that a block can have, the least number that its maximum must have.
-  using BlockThresholds = std::array<int, 2>;
-
-  /// Finds the thresholds of the blocks of a parent with the limits `parent`; those have a number.
-  /// `least`: the least maximum that blocks of a minimum must have.
-  template <class Least>
-  BlockThresholds FindThresholds(const CodeLimits& parent, const Least& least) const
-  {
-    BlockThresholds thresholds;
-    const int width = std::max(LastMaximum, parent.Max - parent.Min);
-    for (int low = 0; low <= LastMinimum; ++low)
-    {
-      // The maximum of `high` is the limit of the parent, or high / LastMaximum of the width
-      // rounded up, whichever is less. Minima above the limit occur where there is no number alone.
-      const int minimum = parent.Min + width * low / (LastMinimum + 1);
-      const int more = (minimum > parent.Max ? parent.Max + 1 : least(minimum)) - parent.Min;
-      thresholds[static_cast<std::size_t>(low)] = more > parent.Max - parent.Min ? LastMaximum + 1
-        : more <= 0                                                              ? 0
-                    : LastMaximum * (more - 1) / width + 1;
-    }
-    return thresholds;
-  }
-
-  /// Whether a block, by its index, has a maximum as its minimum asks for; false if it holds no
-  /// number.
-  bool Reaches(std::size_t block, const BlockThresholds& thresholds) const
-  {
-    const int code = this->Codes[block];
-    return code != NoNumber &&
-      code >> MinimumBits >= thresholds[static_cast<std::size_t>(code & LastMinimum)];
-  }
+  /**
+   * Finds which blocks of a row of parents have a maximum as their minimum asks for. `least`: for
+   * each code of a minimum the least one that maxima must have, above the last one if none has.
+   * `distances`, of all blocks, x fastest: 0 where a block has it, LargestBlockDistance where it
+   * has not, or holds no number.
+   */
+  void FindReaching(int y, int z, const std::vector<int>& least, std::uint8_t* distances) const;
 
   std::size_t GetMemorySize() const
   {
@@ -151,6 +128,15 @@ private:
 
   /// Code of a block that holds no number: no minimum is so far above the maximum.
   static constexpr int NoNumber = LastMinimum;
+
+  static constexpr BlockSteps::Encoding BlockEncoding{ LastMinimum, LastMaximum, MinimumBits,
+    NoNumber };
+
+  /// For each minimum that a block can have, the least number that its maximum must have.
+  using BlockThresholds = std::array<std::uint8_t, LastMinimum + 1>;
+
+  /// Finds the thresholds of the blocks of a parent, as FindReaching() does.
+  BlockThresholds FindThresholds(const CodeLimits& parent, const std::vector<int>& least) const;
 
   /// Codes of the blocks of a row of parents, by their places in them, and what is found of these.
   struct Children

@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "FFDRowSteps.cxx"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file once per instruction set.
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "FFDRowSteps.h"
@@ -77,7 +78,8 @@ void IncludeRow(
   }
 }
 
-/// Blocks have five rows of voxels: together they load and store the extremes once.
+/// Blocks have five rows of voxels: together they load and store the extremes once. Those of the
+/// next blocks, of which the first one is the last one here, are read soon.
 template <class T>
 void IncludeFiveRows(const T* HWY_RESTRICT row, std::ptrdiff_t stride, std::size_t count,
   T* HWY_RESTRICT min, T* HWY_RESTRICT max)
@@ -91,7 +93,9 @@ void IncludeFiveRows(const T* HWY_RESTRICT row, std::ptrdiff_t stride, std::size
     auto high = hn::LoadU(d, max + i);
     for (int r = 0; r < 5; ++r)
     {
-      const auto value = hn::LoadU(d, row + r * stride + static_cast<std::ptrdiff_t>(i));
+      const T* const from = row + r * stride + static_cast<std::ptrdiff_t>(i);
+      hwy::Prefetch(from + 4 * stride);
+      const auto value = hn::LoadU(d, from);
       low = Least(value, low);
       high = Most(value, high);
     }
@@ -131,12 +135,28 @@ void Merge(const T* HWY_RESTRICT otherMin, const T* HWY_RESTRICT otherMax, std::
 template <class T>
 void WidenByFour(T* HWY_RESTRICT min, T* HWY_RESTRICT max, std::size_t count)
 {
-  for (const std::size_t step : { 1, 2, 1 })
+  // What is read is not written before: numbers behind a position are those of before.
+  const hn::ScalableTag<T> d;
+  const std::size_t lanes = hn::Lanes(d);
+  std::size_t i = 0;
+  for (; i + lanes + 4 <= count; i += lanes)
   {
-    for (std::size_t i = 0; i + step < count; ++i)
+    auto low = hn::LoadU(d, min + i);
+    auto high = hn::LoadU(d, max + i);
+    for (std::size_t step = 1; step <= 4; ++step)
     {
-      min[i] = min[i + step] < min[i] ? min[i + step] : min[i];
-      max[i] = max[i + step] > max[i] ? max[i + step] : max[i];
+      low = hn::Min(low, hn::LoadU(d, min + i + step));
+      high = hn::Max(high, hn::LoadU(d, max + i + step));
+    }
+    hn::StoreU(low, d, min + i);
+    hn::StoreU(high, d, max + i);
+  }
+  for (; i < count; ++i)
+  {
+    for (std::size_t other = i + 1; other < std::min(i + 5, count); ++other)
+    {
+      min[i] = std::min(min[i], min[other]);
+      max[i] = std::max(max[i], max[other]);
     }
   }
 }
@@ -168,6 +188,23 @@ void Encode(const BlockSteps::Encoding& encoding, const float* HWY_RESTRICT min,
       static_cast<int>(std::min(last, (last + 1.0f) * (min[x] - least[x]) / width[x]));
     const int high = static_cast<int>((highs * (max[x] - least[x]) + width[x] - 1.0f) / width[x]);
     codes[x] = static_cast<std::uint8_t>(min[x] <= max[x] ? low | high << shift : none);
+  }
+}
+
+void FindReaching(const BlockSteps::Encoding& encoding, const std::uint8_t* HWY_RESTRICT codes,
+  const std::uint8_t* const thresholds[2], std::size_t count, std::uint8_t* HWY_RESTRICT distances)
+{
+  const std::uint8_t* HWY_RESTRICT first = thresholds[0];
+  const std::uint8_t* HWY_RESTRICT second = thresholds[1];
+  const int none = encoding.NoNumber;
+  const int shift = encoding.MinimumBits;
+  const int minimum = encoding.LastMinimum;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const int code = codes[i];
+    const int threshold = (code & minimum) != 0 ? second[i] : first[i];
+    const bool reaches = (code != none) & (code >> shift >= threshold);
+    distances[i] = reaches ? std::uint8_t(0) : LargestBlockDistance;
   }
 }
 
@@ -254,12 +291,83 @@ void FindDistances(std::uint8_t* row, std::size_t count, std::uint8_t* work)
   std::copy_n(now, count, row);
 }
 
+/// Lowers the distances of a row by those of a row next to it.
+void PassOn(const std::uint8_t* HWY_RESTRICT from, std::uint8_t* HWY_RESTRICT to, std::size_t count)
+{
+  const auto lower = [from, to, count](std::size_t i) {
+    const std::uint8_t left = from[i > 0 ? i - 1 : i];
+    const std::uint8_t right = from[i + 1 < count ? i + 1 : i];
+    const std::uint8_t near = std::min(std::min(left, from[i]), right);
+    to[i] = std::min<std::uint8_t>(to[i], static_cast<std::uint8_t>(near + 1));
+  };
+  std::size_t i = 0;
+  const auto lowerBy = [from, to, count, &i](auto d) {
+    const std::size_t lanes = hn::Lanes(d);
+    for (; i + lanes < count; i += lanes)
+    {
+      const auto near = hn::Min(
+        hn::Min(hn::LoadU(d, from + i - 1), hn::LoadU(d, from + i)), hn::LoadU(d, from + i + 1));
+      hn::StoreU(
+        hn::Min(hn::LoadU(d, to + i), hn::Add(near, hn::Set(d, std::uint8_t(1)))), d, to + i);
+    }
+  };
+  lower(i++);
+  lowerBy(hn::ScalableTag<std::uint8_t>());
+  lowerBy(hn::CappedTag<std::uint8_t, 8>());
+  for (; i < count; ++i)
+  {
+    lower(i);
+  }
+}
+
+void TransformPlane(std::uint8_t* plane, std::size_t width, std::size_t rows)
+{
+  for (std::size_t j = 1; j < rows; ++j)
+  {
+    PassOn(plane + (j - 1) * width, plane + j * width, width);
+  }
+  for (std::size_t j = rows; j-- > 1;)
+  {
+    PassOn(plane + j * width, plane + (j - 1) * width, width);
+  }
+}
+
 /// A row of DistanceMap::GetData(): whether blocks next to each one, in positive direction, may be
 /// visible.
 void AddNeighbors(std::uint8_t* HWY_RESTRICT row, const std::uint8_t* HWY_RESTRICT behindY,
   const std::uint8_t* HWY_RESTRICT behindZ, const std::uint8_t* HWY_RESTRICT behindYZ,
   std::size_t count)
 {
+  const hn::ScalableTag<std::uint8_t> d;
+  const std::size_t lanes = hn::Lanes(d);
+  const auto zero = hn::Zero(d);
+  const auto one = hn::Set(d, std::uint8_t(1));
+  const auto isZero = [&d, zero](const std::uint8_t* from) {
+    return hn::VecFromMask(d, hn::Eq(hn::LoadU(d, from), zero));
+  };
+  const auto bit = [&d](auto all, int n) {
+    return hn::And(all, hn::Set(d, static_cast<std::uint8_t>(1 << n)));
+  };
+  std::size_t i = 0;
+  for (; i + lanes < count; i += lanes)
+  {
+    const auto own = hn::LoadU(d, row + i);
+    const auto changes = hn::Eq(own, one);
+    if (hn::AllFalse(d, changes))
+    {
+      continue;
+    }
+    const auto x = isZero(row + i + 1);
+    const auto y = isZero(behindY + i);
+    const auto z = isZero(behindZ + i);
+    const auto xy = hn::Or(hn::Or(x, y), isZero(behindY + i + 1));
+    const auto xz = hn::Or(hn::Or(x, z), isZero(behindZ + i + 1));
+    const auto yz = hn::Or(hn::Or(y, z), isZero(behindYZ + i));
+    const auto xyz = hn::Or(hn::Or(xy, xz), hn::Or(yz, isZero(behindYZ + i + 1)));
+    auto near = hn::Or(hn::Or(bit(x, 0), bit(y, 1)), hn::Or(bit(xy, 2), bit(z, 3)));
+    near = hn::Or(near, hn::Or(hn::Or(bit(xz, 4), bit(yz, 5)), hn::Or(bit(xyz, 6), bit(xyz, 7))));
+    hn::StoreU(hn::IfThenElse(hn::And(changes, hn::Ne(near, zero)), near, own), d, row + i);
+  }
   const auto code = [](std::uint8_t own, bool x, bool y, bool z, bool xy, bool xz, bool yz,
                       bool xyz) -> std::uint8_t {
     const int near = x | y << 1 | (x | y | xy) << 2 | z << 3 | (x | z | xz) << 4 |
@@ -267,7 +375,7 @@ void AddNeighbors(std::uint8_t* HWY_RESTRICT row, const std::uint8_t* HWY_RESTRI
     return static_cast<std::uint8_t>(
       own == 1 && near != 0 ? (LargestBlockDistance + 1) | near : own);
   };
-  for (std::size_t i = 0; i + 1 < count; ++i)
+  for (; i + 1 < count; ++i)
   {
     row[i] = code(row[i], row[i + 1] == 0, behindY[i] == 0, behindZ[i] == 0, behindY[i + 1] == 0,
       behindZ[i + 1] == 0, behindYZ[i] == 0, behindYZ[i + 1] == 0);
@@ -285,11 +393,11 @@ void SelectFrom(std::tuple<Steps...>& all)
 
 void SelectExtremesSteps(AllExtremesSteps& all) { SelectFrom(all); }
 
-void SelectBlockSteps(BlockSteps& steps) { steps = { &FindParents, &Encode }; }
+void SelectBlockSteps(BlockSteps& steps) { steps = { &FindParents, &Encode, &FindReaching }; }
 
 void SelectDistanceSteps(DistanceSteps& steps)
 {
-  steps = { &TransformLines, &FindDistances, &AddNeighbors };
+  steps = { &TransformLines, &FindDistances, &TransformPlane, &AddNeighbors };
 }
 
 } // namespace HWY_NAMESPACE

@@ -50,6 +50,13 @@ struct BlockSteps
   /// `width`: of the range of the parent, at least LastMaximum.
   void (*Encode)(const Encoding& encoding, const float* min, const float* max, const float* least,
     const float* width, std::size_t count, std::uint8_t* codes);
+
+  /// FindReaching(encoding, codes, thresholds, count, distances) makes distances 0 of blocks that
+  /// hold a number and whose maximum is at least the threshold of their minimum, and
+  /// LargestBlockDistance of others. `codes`: of the blocks of a row; `thresholds`: for each
+  /// minimum, of the parent of each block.
+  void (*FindReaching)(const Encoding& encoding, const std::uint8_t* codes,
+    const std::uint8_t* const thresholds[2], std::size_t count, std::uint8_t* distances);
 };
 
 /// Steps over rows of distances, in vector code. Rows do not overlap.
@@ -72,6 +79,11 @@ struct DistanceSteps
   /// their distances from the nearest 0, at most that. `work`: 6 * count bytes, all of them
   /// LargestBlockDistance before the first call, and left to the next one.
   void (*FindDistances)(std::uint8_t* row, std::size_t count, std::uint8_t* work);
+
+  /// TransformPlane(plane, width, rows) makes one more axis of the Chebyshev distance transform, of
+  /// a plane of `rows` rows of `width` distances along the first axis: a number is at most one more
+  /// than those of the row before, next to it and diagonally, and of the row behind.
+  void (*TransformPlane)(std::uint8_t* plane, std::size_t width, std::size_t rows);
 
   /// AddNeighbors(row, behindY, behindZ, behindYZ, count) replaces the distances of 1 in a row by
   /// what DistanceMap::GetData() says of them. The other rows are the next one along y, along z,
