@@ -57,6 +57,20 @@ HWY_INLINE Vi PeaksFrom(const ValuePeaks::Grid& grid, const Vec3& low)
   return LoadBytes(grid.Codes.data(), index);
 }
 
+/// Kept between boxes and the faces of cells that bound the values in them, index units: rounding
+/// errors.
+constexpr float PeakGuard = 2e-3f;
+
+/// Whether boxes lie beyond a face of the volume.
+HWY_INLINE Mf AreBesideVolume(const PacketScene& scene, const Vec3& low, const Vec3& high)
+{
+  const auto beside = [&](Vf from, Vf to, int a) {
+    return hn::Or(hn::Lt(to, Splat(scene.Lower)), hn::Gt(from, Splat(scene.Upper[a])));
+  };
+  return hn::Or(
+    beside(low.x, high.x, 0), hn::Or(beside(low.y, high.y, 1), beside(low.z, high.z, 2)));
+}
+
 /// The steps that points take to move by an index unit up and down along each axis, at least.
 struct StepsPerUnit
 {
@@ -124,6 +138,39 @@ public:
       this->High[a] =
         hn::IfThenElse(hn::Gt(high, Splat(scene.LastBlock[a])), far, hn::Mul(edge, high));
     }
+  }
+
+  /// Takes the empty half spaces beyond the faces of the volume in the place of the cubes of
+  /// positions outside of it: of the face that they are farthest away from.
+  HWY_INLINE void LeaveVolume(const PacketScene& scene)
+  {
+    const Df d;
+    const Vf zero = hn::Zero(d);
+    Vf farthest = zero;
+    Vf below[3];
+    Vf beyond[3];
+    for (int a = 0; a < 3; ++a)
+    {
+      below[a] = hn::Sub(Splat(scene.Lower), this->Position[a]);
+      beyond[a] = hn::Sub(this->Position[a], Splat(scene.Upper[a]));
+      farthest = hn::Max(farthest, hn::Max(below[a], beyond[a]));
+    }
+    const Mf outside = hn::Gt(farthest, zero);
+    if (hn::AllFalse(d, outside))
+    {
+      return;
+    }
+    const Vf far = Splat(Far);
+    for (int a = 0; a < 3; ++a)
+    {
+      const Mf isBelow = hn::And(outside, hn::Eq(below[a], farthest));
+      const Mf isBeyond = hn::And(outside, hn::Eq(beyond[a], farthest));
+      const Vf low = hn::IfThenElse(outside, hn::Neg(far), this->Low[a]);
+      const Vf high = hn::IfThenElse(outside, far, this->High[a]);
+      this->Low[a] = hn::IfThenElse(isBeyond, Splat(scene.Upper[a]), low);
+      this->High[a] = hn::IfThenElse(isBelow, Splat(scene.Lower), high);
+    }
+    this->Empty = hn::Or(this->Empty, outside);
   }
 
   /// Lanes whose blocks are empty.

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -114,6 +115,10 @@ public:
     }
     std::fill_n(segment.Needed.begin(), blocks, 0u);
     std::fill_n(segment.Inside.begin(), blocks, 0u);
+    if (!this->Scene.Peaks.empty())
+    {
+      this->FindStepsPerPeak(segment);
+    }
     // Blocks that are too wide for a query of their boxes let their rays leap one by one.
     segment.LeapsRays = (this->Scene.Distances || !this->Scene.Peaks.empty()) &&
       !BoxQuery::TellsAll(this->FindRadius(segment, 1));
@@ -219,6 +224,16 @@ public:
 private:
   /// Samples before a part that belong to it: those where its intervals begin.
   int CountSamplesBefore() const { return this->Scene.ClassifiesIntervals ? 1 : 0; }
+
+  /// Sets TileSegment::StepsPerPeak, by its speeds. The cells of all channels are of one size.
+  void FindStepsPerPeak(TileSegment& segment) const
+  {
+    constexpr float slowest = 1e-6f;
+    const float longest = std::max({ slowest, segment.Up[0] + segment.Down[0],
+      segment.Up[1] + segment.Down[1], segment.Up[2] + segment.Down[2] });
+    const float edge = this->Scene.Peaks.front().Values->GetFinestGrid().Edge;
+    segment.StepsPerPeak = std::floor((edge - 2.0f * PeakGuard) / longest);
+  }
 
   /// Bounds of the distances of the positions of a block in parts that follow each other from their
   /// middle, index units.

@@ -52,7 +52,8 @@ public:
 
   /// `extremes`: on entry those of a packet beside this one, or none; later those of this one.
   PeakSearch(const PacketScene& scene, PacketSegments& segments, ExtremeSamples& extremes)
-    : Peaks(scene.Peaks)
+    : Scene(scene)
+    , Peaks(scene.Peaks)
     , Segments(segments)
     , Extremes(extremes)
   {
@@ -97,27 +98,28 @@ public:
   }
 
   /// Finds how many samples, from those of the lanes of `querying` at q, index coordinates, on a
-  /// curve, are no larger than the extremes that their rays have found, for certain; 0 for other
-  /// lanes.
+  /// curve, are no larger than the extremes that their rays have found, or beside the volume, for
+  /// certain; 0 for other lanes.
   HWY_NOINLINE Vf CountPassed(const PacketCurve& curve, const Vec3& q, Mf querying) const
   {
     const Df d;
     const TileSegment& segment = *curve.Segment;
-    const float longest = std::max({ segment.Up[0] + segment.Down[0],
-      segment.Up[1] + segment.Down[1], segment.Up[2] + segment.Down[2] });
+    const float steps = segment.StepsPerPeak;
+    const auto below = [&](Vf x, std::size_t a) {
+      return hn::Sub(x, Splat(steps * segment.Down[a] + PeakGuard));
+    };
+    const auto above = [&](Vf x, std::size_t a) {
+      return hn::Add(x, Splat(steps * segment.Up[a] + PeakGuard));
+    };
+    const Vec3 low{ below(q.x, 0), below(q.y, 1), below(q.z, 2) };
+    const Vec3 high{ above(q.x, 0), above(q.y, 1), above(q.z, 2) };
     Mf passed = querying;
-    float steps = 0.0f;
     for (std::size_t c = 0; c < this->Peaks.size(); ++c)
     {
-      const ValuePeaks::Grid& grid = this->Peaks[c].Values->GetFinestGrid();
-      steps = std::floor((grid.Edge - 2.0f * Guard) / std::max(longest, 1e-6f));
-      steps = std::min(steps, MostSamples);
-      const auto low = [&](Vf x, std::size_t a) {
-        return hn::Sub(x, Splat(steps * segment.Down[a] + Guard));
-      };
-      const Vi codes = PeaksFrom(grid, { low(q.x, 0), low(q.y, 1), low(q.z, 2) });
+      const Vi codes = PeaksFrom(this->Peaks[c].Values->GetFinestGrid(), low);
       passed = hn::AndNot(hn::RebindMask(d, hn::Gt(codes, this->PassedByRays[c])), passed);
     }
+    passed = hn::Or(passed, hn::And(querying, AreBesideVolume(this->Scene, low, high)));
     return hn::IfThenElseZero(passed, Splat(steps + 1.0f));
   }
 
@@ -152,11 +154,6 @@ public:
   }
 
 private:
-  /// Samples that are passed at once, at most.
-  static constexpr float MostSamples = 1e6f;
-  /// Kept between boxes and the faces of cells, index units: rounding errors.
-  static constexpr float Guard = 2e-3f;
-
   /// The code up to which boxes hold no value above one that was found; -1: there is none.
   static int FindPassed(const PacketPeaks& peaks, float found)
   {
@@ -194,6 +191,7 @@ private:
     }
   }
 
+  const PacketScene& Scene;
   const std::vector<PacketPeaks>& Peaks;
   PacketSegments& Segments;
   ExtremeSamples& Extremes;

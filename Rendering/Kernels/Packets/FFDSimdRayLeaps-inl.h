@@ -63,7 +63,8 @@ public:
     }
     // Two bounds of the way: that of the rays of all of the tile over all of the segment, and that
     // of each ray over the next samples.
-    const EmptyCubes cubes(this->Scene, q);
+    EmptyCubes cubes(this->Scene, q);
+    cubes.LeaveVolume(this->Scene);
     const StepsPerUnit ofTile(segment.Up, segment.Down);
     const StepsPerUnit ofRays(Scale(curve.PerStep, curve.Position.Slope(s)), this->MoveChanges);
     const Vf steps = hn::Max(cubes.CountSteps(radius, ofTile),

@@ -95,6 +95,9 @@ struct alignas(64) TileSegment
   float Up[3];     ///< of the motion of a ray from sample to sample, in positive direction
   float Down[3];   ///< of that in negative direction
   float Radius[3]; ///< of the distance of the rays of a block from its middle at the same s
+  /// Samples, a whole number, over which no ray leaves a box that fits in a cell of
+  /// PacketScene::Peaks.
+  float StepsPerPeak = 0.0f;
 
   /// Terms of s^k in the middle of each block; the fourth component is zero.
   alignas(64) std::array<std::array<std::array<float, 4>, BlocksPerTile>, TileLayers> MiddleTerms;
