@@ -347,9 +347,9 @@ public:
    * sample to the next, samples show rings (wood grain). PRE_INTEGRATED shows what is between them
    * (Engel, Kraus, Ertl 2001): the extinction of an interval is its integral over the values from
    * the sample before, over one where the steep part is crossed, to the sample; that one is shaded.
-   * Errors of steep functions are then 0.05 to 0.4 of what they were, in 1.2 to 2.4 times
-   * the time (in noise, where most intervals may show something, up to 3.5). AUTO does so where
-   * over a sixteenth of the range of the transfer functions the opacity of a sample interval
+   * Errors of steep functions are then 0.05 to 0.4 of what they were, in 1.2 to 2.4 times the time
+   * (where most intervals may show something, as thin shells in noise, up to 5.4). AUTO does so
+   * where over a sixteenth of the range of the transfer functions the opacity of a sample interval
    * changes by more than a quarter.
    *
    * It is for one component, interpolated linearly, in blend mode composite with ERROR_BOUND.

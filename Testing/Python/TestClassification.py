@@ -115,6 +115,36 @@ class TestClassification(unittest.TestCase):
                     if name == "engine":
                         self.assertLess(pre, 0.5 * quarter, what)
 
+    def test_faces_of_bent_volumes(self):
+        """Intervals begin at the faces of what is visible there, not at the sample before."""
+        scene = Scene("fuel", 30.0)
+        axis = numpy.arange(24)
+        waves = [numpy.sin(0.7 * axis + phase) for phase in (0.0, 1.0, 2.0)]
+        values = 127.0 + 40.0 * (waves[0][:, None, None] + waves[1][:, None] + waves[2])
+        scene.image = vtkImageData()
+        scene.image.SetDimensions(24, 24, 24)
+        scene.image.GetPointData().SetScalars(
+            numpy_to_vtk(values.ravel().astype(numpy.float32), deep=True))
+        scene.mapper.SetInputData(scene.image)
+        scene.opacity.RemoveAllPoints()
+        scene.opacity.AddPoint(0.0, 0.5)
+        scene.opacity.AddPoint(255.0, 0.5)
+        color = scene.property.GetRGBTransferFunction()
+        color.RemoveAllPoints()
+        color.AddRGBPoint(20.0, 1.0, 0.0, 0.0)
+        color.AddRGBPoint(130.0, 0.0, 1.0, 0.0)
+        color.AddRGBPoint(240.0, 0.0, 0.0, 1.0)
+        scene.property.ShadeOff()
+        scene.deform()
+        for reference in (False, True):
+            with self.subTest(reference=reference):
+                scene.mapper.SetReferenceKernels(reference)
+                truth = scene.render(Mapper.PRE_INTEGRATED, 0.05)
+                post = distance_of(truth, scene.render(Mapper.POST_INTERPOLATED))
+                pre = distance_of(truth, scene.render(Mapper.PRE_INTEGRATED))
+                self.assertEqual(scene.mapper.GetUsedClassification(), Mapper.PRE_INTEGRATED)
+                self.assertLess(pre, 0.5 * post, f"{pre} {post}")
+
     def test_same_with_all_kernels(self):
         for name, step, top in (("fuel", 30.0, 0.3), ("engine", 80.0, 1.0)):
             for deformed in (False, True):

@@ -70,6 +70,22 @@ struct PacketCurve
   }
 };
 
+/// Finds the last places inside of the volume on the ways out of it, between s `inside` and s
+/// `outside` of a curve; what it finds of other rays means nothing.
+HWY_NOINLINE inline Vf FindFace(
+  const PacketScene& scene, const PacketCurve& curve, Vf inside, Vf outside)
+{
+  constexpr int steps = 20;
+  for (int i = 0; i < steps; ++i)
+  {
+    const Vf middle = hn::Mul(Splat(0.5f), hn::Add(inside, outside));
+    const Mf in = IsInside(scene, curve.At(scene, middle));
+    inside = hn::IfThenElse(in, middle, inside);
+    outside = hn::IfThenElse(in, outside, middle);
+  }
+  return inside;
+}
+
 /// The samples that the rays of a packet take: those of numbers n, at t = (n + Phase) * sample
 /// distance, with First <= n < Stop.
 struct SampleNumbers

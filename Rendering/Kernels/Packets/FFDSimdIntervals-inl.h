@@ -32,6 +32,9 @@ namespace HWY_NAMESPACE
 /// Optical depths below this have no place that matters.
 constexpr float LeastOpticalDepth = 1e-6f;
 
+/// In the place of where rays enter the volume, where they do not.
+constexpr float Nowhere = -1e30f;
+
 /// Entries of the interval table at values.
 struct IntervalPoint
 {
@@ -232,10 +235,14 @@ private:
     this->Samples.Statistics.Samples += static_cast<std::int64_t>(hn::CountTrue(d, sampled));
     const Mf unknown = hn::AndNot(hn::Eq(this->LastNumber, hn::Sub(number, Splat(1.0f))), sampled);
     Vf front = this->LastValue;
+    Vf face = Splat(Nowhere);
     const bool known = hn::AllFalse(d, unknown);
     if (HWY_UNLIKELY(!known))
     {
-      front = hn::IfThenElse(unknown, this->FindFront(curve, n, s, unknown, back, inner), front);
+      // Straight rays begin at the faces.
+      face = inner || this->Scene.Identity ? face : this->FindEntry(curve, s, unknown);
+      front =
+        hn::IfThenElse(unknown, this->FindFront(curve, n, s, face, unknown, back, inner), front);
     }
     this->LastValue = hn::IfThenElse(sampled, back, this->LastValue);
     this->LastNumber = hn::IfThenElse(sampled, number, this->LastNumber);
@@ -246,16 +253,29 @@ private:
         hn::Le(hn::Sub(hn::Min(front, back), difference), Splat(integrals.VisibleHigh))));
     if (!hn::AllFalse(d, sampled))
     {
-      inner ? this->template Show<false>(curve, n, number, s, sampled, front, back, known)
-            : this->template Show<true>(curve, n, number, s, sampled, front, back, known);
+      inner ? this->template Show<false>(curve, n, number, s, face, sampled, front, back, known)
+            : this->template Show<true>(curve, n, number, s, face, sampled, front, back, known);
     }
   }
 
-  /// Where the intervals that end at s begin, on the curve.
-  HWY_INLINE Vf FindBegin(const PacketCurve& curve, Vf s) const
+  /// Where the intervals that end at s begin, on the curve. `face`: where the rays enter the volume
+  /// in them, or Nowhere.
+  HWY_INLINE Vf FindBegin(const PacketCurve& curve, Vf s, Vf face) const
   {
-    return hn::Max(
-      hn::Sub(s, curve.PerStep), hn::Div(hn::Sub(this->Samples.Rays.From, curve.T0), curve.Dt));
+    return hn::Max(face,
+      hn::Max(
+        hn::Sub(s, curve.PerStep), hn::Div(hn::Sub(this->Samples.Rays.From, curve.T0), curve.Dt)));
+  }
+
+  /// Where the rays of `lanes` enter the volume in the intervals that end at s, or Nowhere.
+  HWY_NOINLINE Vf FindEntry(const PacketCurve& curve, Vf s, Mf lanes) const
+  {
+    const Vf nowhere = Splat(Nowhere);
+    const Vf begin = this->FindBegin(curve, s, nowhere);
+    const Mf enter = hn::AndNot(IsInside(this->Scene, curve.At(this->Scene, begin)), lanes);
+    return hn::AllFalse(Df(), enter)
+      ? nowhere
+      : hn::IfThenElse(enter, FindFace(this->Scene, curve, s, begin), nowhere);
   }
 
   /// Intervals whose ends are looked up.
@@ -270,12 +290,13 @@ private:
   };
 
   /// Looks up the intervals of `lanes` that end at the samples `number`, at s of a curve, between
-  /// two values. `known`: whether they begin with the ends of those before.
+  /// two values. `face`: as of FindBegin(); `known`: whether they begin with the ends of those
+  /// before.
   HWY_INLINE Interval FindInterval(
-    const PacketCurve& curve, Vf number, Vf s, Mf lanes, Vf front, Vf back, bool known)
+    const PacketCurve& curve, Vf number, Vf s, Vf face, Mf lanes, Vf front, Vf back, bool known)
   {
     const PacketScene& scene = this->Scene;
-    const Vf begin = this->FindBegin(curve, s);
+    const Vf begin = this->FindBegin(curve, s, face);
     const Vf extent = hn::Sub(s, begin);
     const Vf length = hn::Mul(extent,
       scene.Settings.Opacity == OpacityLength::Deformed
@@ -350,10 +371,11 @@ private:
   /// Classifies, lights and composites the intervals of the lanes of `sampled`, between two values,
   /// as FindInterval(). Without `AtFaces` all voxels that they and their gradients need must exist.
   template <bool AtFaces>
-  HWY_NOINLINE void Show(
-    const PacketCurve& curve, int n, Vf number, Vf s, Mf sampled, Vf front, Vf back, bool known)
+  HWY_NOINLINE void Show(const PacketCurve& curve, int n, Vf number, Vf s, Vf face, Mf sampled,
+    Vf front, Vf back, bool known)
   {
-    const Interval interval = this->FindInterval(curve, number, s, sampled, front, back, known);
+    const Interval interval =
+      this->FindInterval(curve, number, s, face, sampled, front, back, known);
     const Vec3 q = this->Samples.ClampToVolume(
       curve.At(this->Scene, hn::MulAdd(interval.At, interval.Extent, interval.Begin)));
     const Vec3 voxel = FindSampledVoxels(this->Scene, q);
@@ -378,10 +400,12 @@ private:
   }
 
   /// Values where the intervals that end at the samples n begin, if the samples before were not
-  /// taken: those of `lanes`. What is cropped there looks as the ends of the intervals.
-  HWY_NOINLINE Vf FindFront(const PacketCurve& curve, int n, Vf s, Mf lanes, Vf back, bool inner)
+  /// taken: those of `lanes`. `face`: as of FindBegin(). What is cropped there looks as the ends of
+  /// the intervals.
+  HWY_NOINLINE Vf FindFront(
+    const PacketCurve& curve, int n, Vf s, Vf face, Mf lanes, Vf back, bool inner)
   {
-    const Vf begin = this->FindBegin(curve, s);
+    const Vf begin = this->FindBegin(curve, s, face);
     const Vec3 q = curve.At(this->Scene, begin);
     const Vf value = inner ? this->Samples.FindInnerValue(n, q, lanes)
                            : this->Samples.FindValue(this->Samples.ClampToVolume(q), lanes);

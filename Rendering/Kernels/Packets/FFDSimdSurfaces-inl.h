@@ -124,7 +124,6 @@ private:
     bool Inner; ///< whether all voxels of the intervals and their gradients exist
   };
 
-  static constexpr int FaceSteps = 20;
   /// The search for a crossing ends when it is known to this part of an interval, or after so many
   /// steps.
   static constexpr float CloseCrossing = 1e-2f;
@@ -243,17 +242,11 @@ private:
   HWY_NOINLINE void FindFaces(
     const PacketCurve& curve, Mf lanes, Mf insideA, Interval& interval) const
   {
-    Vf inside = hn::IfThenElse(insideA, interval.From, interval.To);
-    Vf outside = hn::IfThenElse(insideA, interval.To, interval.From);
-    for (int i = 0; i < FaceSteps; ++i)
-    {
-      const Vf middle = hn::Mul(Splat(0.5f), hn::Add(inside, outside));
-      const Mf in = IsInside(this->Scene, curve.At(this->Scene, middle));
-      inside = hn::IfThenElse(in, middle, inside);
-      outside = hn::IfThenElse(in, outside, middle);
-    }
-    interval.From = hn::IfThenElse(hn::AndNot(insideA, lanes), inside, interval.From);
-    interval.To = hn::IfThenElse(hn::And(insideA, lanes), inside, interval.To);
+    const Vf face =
+      FindFace(this->Scene, curve, hn::IfThenElse(insideA, interval.From, interval.To),
+        hn::IfThenElse(insideA, interval.To, interval.From));
+    interval.From = hn::IfThenElse(hn::AndNot(insideA, lanes), face, interval.From);
+    interval.To = hn::IfThenElse(hn::And(insideA, lanes), face, interval.To);
   }
 
   /// Composites the surfaces of the rays of Pending.

@@ -128,10 +128,10 @@ RayIntegrator::Outcome RayIntegrator::Composite(
 
 //------------------------------------------------------------------------------
 /**
- * The interval that ends at s. Its values run linearly from the sample before to one between, and
- * from there on; that one is where the light comes from, if the values ran linearly between the two
- * ends, so it is where steep functions are crossed, and where normals are taken (Lum, Wilson, Ma
- * 2004).
+ * The interval that ends at s, from the sample before or from where the ray enters the volume. Its
+ * values run linearly from there to one between, and from there on; that one is where the light
+ * comes from, if the values ran linearly between the two ends, so it is where steep functions are
+ * crossed, and where normals are taken (Lum, Wilson, Ma 2004).
  */
 RayIntegrator::Outcome RayIntegrator::CompositeInterval(
   const SampledSegment& segment, double s, double interval)
@@ -140,17 +140,14 @@ RayIntegrator::Outcome RayIntegrator::CompositeInterval(
   const IntervalTable& table = frame.Intervals;
   const double t = segment.T0 + s * segment.Dt;
   const double before = t - interval * segment.Dt;
-  const double begin = std::max(before, this->From);
-  const double first = s - (t - begin) / segment.Dt;
   const double back = this->ClampedScalarAt(segment.Curve, s);
-  double front = back;
-  if (std::abs(before - this->LastEnd) < 1e-3 * interval * segment.Dt)
+  double first = s - (t - std::max(before, this->From)) / segment.Dt;
+  double front = this->LastScalar;
+  if (!(std::abs(before - this->LastEnd) < 1e-3 * interval * segment.Dt))
   {
-    front = this->LastScalar;
-  }
-  else if (!this->IsCropped(segment, first))
-  {
-    front = this->ClampedScalarAt(segment.Curve, first);
+    first =
+      this->IsInside(segment.Curve.At(first)) ? first : this->FindFace(segment.Curve, s, first);
+    front = this->IsCropped(segment, first) ? back : this->ClampedScalarAt(segment.Curve, first);
   }
   this->LastEnd = t;
   this->LastScalar = back;
@@ -175,7 +172,7 @@ RayIntegrator::Outcome RayIntegrator::CompositeInterval(
       SegmentNormals(this->Ray, frame.Scene->Camera, segment, middle));
   Outcome outcome =
     this->AddColor(color, frame.Transmittance(static_cast<float>(classified.OpticalDepth)),
-      begin + classified.Place * (t - begin));
+      segment.T0 + (first + classified.Place * (s - first)) * segment.Dt);
   outcome.Extinction = static_cast<float>(classified.OpticalDepth / length);
   return outcome;
 }

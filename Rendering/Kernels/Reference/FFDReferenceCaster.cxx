@@ -172,11 +172,18 @@ void ReferenceCaster::CastPerSample(
       ray.From, ray.To, false);
     return;
   }
-  // Curves lead to the next sample; where intervals are classified, from the one before.
+  // Curves lead to the next sample; where intervals are classified, from the one before. That may
+  // lie outside of the volume where T^-1 of a point by itself leads elsewhere.
   const double behind = this->Settings.Classify == Classification::Intervals ? 1.0 : 0.0;
-  glm::dvec3 rest = pullBack((first - behind + ray.Phase) * distance, nullptr);
-  glm::dvec3 index = volume.ToIndex(rest);
+  glm::dvec3 rest = pullBack((first + ray.Phase) * distance, nullptr);
   glm::dvec3 move(0.0);
+  if (behind > 0.0)
+  {
+    const glm::dvec3 firstRest = rest;
+    rest = pullBack((first - behind + ray.Phase) * distance, &firstRest);
+    move = firstRest - rest;
+  }
+  glm::dvec3 index = volume.ToIndex(rest);
   for (double n = first; n < stop && !pixel.Done; n += 1.0)
   {
     const double t = (n - behind + ray.Phase) * distance;
