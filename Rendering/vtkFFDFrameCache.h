@@ -84,6 +84,7 @@ public:
   const std::vector<glm::dvec4>& GetClippingPlanes() const { return this->ClippingPlanes; }
   /// Null where nothing is leaped over.
   const ffd::DistanceMap* GetDistances() const { return this->Distances; }
+  ffd::SpaceCache* GetKeptOfSpace() const { return this->Space->KeptOfThem.get(); }
   /// Bounds of values for maxima and minima along rays, one for each channel; null for other blend
   /// modes.
   const std::vector<ffd::ValuePeaks>* GetPeaks() const { return this->Peaks; }

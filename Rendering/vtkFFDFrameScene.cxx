@@ -73,6 +73,7 @@ vtkFFDFrameScene::vtkFFDFrameScene(vtkFFDInverseRayVolumeMapper* mapper,
   scene.Table = &cache.GetFunctions().Components[0].Table;
   scene.KeptOfFunctions = cache.GetKeptOfFunctions();
   scene.Distances = cache.GetDistances();
+  scene.KeptOfSpace = scene.Distances ? cache.GetKeptOfSpace() : nullptr;
   scene.Ranges = &cache.GetRanges();
   scene.CommonRanges = &cache.GetCommonRanges();
   scene.Peaks = cache.GetPeaks();

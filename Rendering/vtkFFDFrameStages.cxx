@@ -486,7 +486,8 @@ bool LeapBlending::operator==(const LeapBlending& other) const
 //------------------------------------------------------------------------------
 std::size_t EmptySpace::GetMemorySize() const
 {
-  std::size_t size = this->Distances.GetMemorySize();
+  std::size_t size =
+    this->Distances.GetMemorySize() + (this->KeptOfThem ? this->KeptOfThem->GetMemorySize() : 0);
   for (const ValuePeaks& each : this->Peaks)
   {
     size += each.GetMemorySize();
@@ -512,6 +513,8 @@ Made MakeEmptySpace(EmptySpace& result, StageTools& tools, const Product<Compone
   }
   result.CanLeap = true;
   result.Peaks.clear();
+  result.KeptOfThem.reset(
+    blocks->Blocks[0].GetNumberOfBlocks() > SpaceCache::FewBlocks ? new SpaceCache : nullptr);
   if (mode != BlendMode::Composite)
   {
     const std::vector<std::size_t> deciding =

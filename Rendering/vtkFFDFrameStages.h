@@ -23,6 +23,7 @@
 #include "FFDPullBack.h"
 #include "FFDStage.h"
 #include "FFDValuePeaks.h"
+#include "FFDVisibleSpace.h"
 #include "Optics/FFDBlending.h"
 #include "Optics/FFDLabelBlocks.h"
 #include "Optics/FFDOpticalFunctions.h"
@@ -157,6 +158,8 @@ struct EmptySpace
   /// Of the channels, where largest or smallest values are looked for; else empty.
   std::vector<ValuePeaks> Peaks;
   bool CanLeap = true; ///< false: every sample counts, and there are no distances
+  /// What frames keep beside the distances; null beside those of a small volume.
+  std::unique_ptr<SpaceCache> KeptOfThem;
 
   std::size_t GetMemorySize() const;
 };

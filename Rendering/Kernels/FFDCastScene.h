@@ -59,6 +59,7 @@ enum class Classification
 class FieldCache;
 class FunctionCache;
 class SampleClassifier;
+class SpaceCache;
 
 /// Parameters of ERROR_BOUND.
 struct ErrorBoundSettings
@@ -117,6 +118,7 @@ struct CastScene
                                             ///< to frame; or null
   const SampleClassifier* Classifier = nullptr; ///< null: one component by Table and Material
   const DistanceMap* Distances = nullptr;       ///< may be null when Leaping is Off
+  SpaceCache* KeptOfSpace = nullptr;            ///< of Distances, kept from frame to frame; or null
   /// Of the scalars of each component of Volume, and MinMaxBlocks::GetCommonRange() of these; null:
   /// not known.
   const std::vector<MinMaxBlocks::Limits>* Ranges = nullptr;

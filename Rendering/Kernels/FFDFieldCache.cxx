@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 
 #include <algorithm>
+#include <atomic>
 
 namespace ffd
 {
@@ -22,6 +23,13 @@ bool HasFewControlPoints(const BSplineField& field)
 }
 
 } // namespace
+
+//------------------------------------------------------------------------------
+std::uint64_t FieldCache::MakeNumber()
+{
+  static std::atomic<std::uint64_t> last{ 0 };
+  return ++last;
+}
 
 //------------------------------------------------------------------------------
 PacketField FieldCache::FindPacketField(

@@ -14,6 +14,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -37,6 +38,9 @@ public:
   /// PacketField(field, rest, cells), relative to the origin of the data.
   PacketField FindPacketField(const BSplineField& field, const Box& rest, const glm::ivec3& cells);
 
+  /// A number that no other cache has, and so no other field; never 0.
+  std::uint64_t GetNumber() const { return this->Number; }
+
   /**
    * For how many cells beyond the lattice of a field, at most `wanted` and 8, D may go on linearly
    * so that T, which is one to one, stays so, by the bounds of the field that does. None where that
@@ -53,6 +57,9 @@ public:
   std::size_t GetMemorySize() const;
 
 private:
+  static std::uint64_t MakeNumber();
+
+  std::uint64_t Number = MakeNumber();
   mutable std::mutex Mutex;
   PacketField Packets;
   Box Rest;

@@ -114,6 +114,44 @@ std::vector<SpaceCells::LocalBox> FindVolumeImages(
   return found;
 }
 
+/// Whether cells of a scene can be kept: all that they follow from is known by its value.
+bool HasCache(const CastScene& scene)
+{
+  return scene.KeptOfSpace && scene.KeptOfField && !scene.Volume.Axes;
+}
+
+/// Of the whole volume.
+SpaceSettings MakeSettings(
+  const CastScene& scene, const Box& restBounds, double reach, const glm::dvec3& origin)
+{
+  SpaceSettings settings;
+  settings.Reach = reach;
+  settings.Origin = origin;
+  settings.RestBounds = restBounds;
+  settings.FirstVoxel = scene.Volume.FirstVoxel;
+  settings.IndexToData = scene.Volume.IndexToData;
+  settings.Field = scene.KeptOfField ? scene.KeptOfField->GetNumber() : 0;
+  return settings;
+}
+
+/// The cells that are kept of a scene, or those of make(), which are kept from now on.
+template <class Make>
+std::shared_ptr<const SpaceCells> FindOrMake(
+  const CastScene& scene, SpaceCache::Kinds kind, const SpaceSettings& settings, const Make& make)
+{
+  if (!HasCache(scene))
+  {
+    return make();
+  }
+  std::shared_ptr<const SpaceCells> cells = scene.KeptOfSpace->Find(kind, settings);
+  if (!cells)
+  {
+    cells = make();
+    scene.KeptOfSpace->Keep(kind, settings, cells);
+  }
+  return cells;
+}
+
 } // namespace
 
 //------------------------------------------------------------------------------
@@ -204,12 +242,47 @@ VisibleSpace::VisibleSpace(const CastScene& scene, double orientation, double to
 }
 
 //------------------------------------------------------------------------------
+bool SpaceSettings::operator==(const SpaceSettings& other) const
+{
+  return this->Orientation == other.Orientation && this->Tolerance == other.Tolerance &&
+    this->Reach == other.Reach && this->Origin == other.Origin &&
+    this->RestBounds == other.RestBounds && this->FirstVoxel == other.FirstVoxel &&
+    this->IndexToData == other.IndexToData && this->Field == other.Field;
+}
+
+//------------------------------------------------------------------------------
+std::shared_ptr<const SpaceCells> SpaceCache::Find(Kinds kind, const SpaceSettings& settings) const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  const Kept& last = this->Last[static_cast<std::size_t>(kind)];
+  return last.Cells && last.Settings == settings ? last.Cells : nullptr;
+}
+
+//------------------------------------------------------------------------------
+void SpaceCache::Keep(
+  Kinds kind, const SpaceSettings& settings, const std::shared_ptr<const SpaceCells>& cells)
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  this->Last[static_cast<std::size_t>(kind)] = { settings, cells };
+}
+
+//------------------------------------------------------------------------------
+std::size_t SpaceCache::GetMemorySize() const
+{
+  const std::lock_guard<std::mutex> lock(this->Mutex);
+  std::size_t size = 0;
+  for (const Kept& each : this->Last)
+  {
+    size += each.Cells ? each.Cells->GetMemorySize() : 0;
+  }
+  return size;
+}
+
+//------------------------------------------------------------------------------
 VolumeSpace::VolumeSpace(
   const CastScene& scene, const Box& restBounds, double reach, const glm::dvec3& origin)
   : Scene(scene)
-  , RestBounds(restBounds)
-  , Reach(reach)
-  , Origin(origin)
+  , Settings(MakeSettings(scene, restBounds, reach, origin))
 {
 }
 
@@ -217,7 +290,11 @@ VolumeSpace::VolumeSpace(
 const SpaceCells& VolumeSpace::Get()
 {
   std::call_once(this->Once, [this] {
-    this->Cells.emplace(FindVolumeImages(this->Scene, this->RestBounds, this->Reach, this->Origin));
+    const SpaceSettings& settings = this->Settings;
+    this->Cells = FindOrMake(this->Scene, SpaceCache::Kinds::Whole, settings, [&] {
+      return std::make_shared<const SpaceCells>(
+        FindVolumeImages(this->Scene, settings.RestBounds, settings.Reach, settings.Origin));
+    });
   });
   return *this->Cells;
 }
@@ -226,11 +303,14 @@ const SpaceCells& VolumeSpace::Get()
 VisibleSpaceOnDemand::VisibleSpaceOnDemand(const CastScene& scene, double orientation,
   double tolerance, double reach, const glm::dvec3& origin)
   : Scene(scene)
-  , Orientation(orientation)
-  , Tolerance(tolerance)
-  , Reach(reach)
-  , Origin(origin)
+  , Settings(MakeSettings(scene, FindBoundsAtRest(scene.Volume), reach, origin))
 {
+  this->Settings.Orientation = orientation;
+  this->Settings.Tolerance = tolerance;
+  if (HasCache(scene) && scene.KeptOfSpace->Find(SpaceCache::Kinds::Visible, this->Settings))
+  {
+    this->Make();
+  }
 }
 
 //------------------------------------------------------------------------------
@@ -239,9 +319,12 @@ void VisibleSpaceOnDemand::Make()
   // Others go on without it meanwhile.
   if (!this->Begun.exchange(true))
   {
-    this->Space.reset(
-      new VisibleSpace(this->Scene, this->Orientation, this->Tolerance, this->Reach, this->Origin));
-    this->Made.store(this->Space.get(), std::memory_order_release);
+    const SpaceSettings& settings = this->Settings;
+    this->Cells = FindOrMake(this->Scene, SpaceCache::Kinds::Visible, settings, [&] {
+      return std::make_shared<const VisibleSpace>(
+        this->Scene, settings.Orientation, settings.Tolerance, settings.Reach, settings.Origin);
+    });
+    this->Made.store(this->Cells.get(), std::memory_order_release);
   }
 }
 
@@ -249,7 +332,8 @@ void VisibleSpaceOnDemand::Make()
 void VisibleSpaceOnDemand::NoteWork(std::int64_t evaluations)
 {
   const std::int64_t before = this->Evaluations.fetch_add(evaluations, std::memory_order_relaxed);
-  if (before + evaluations >= (this->Orientation != 0.0 ? ManyEvaluationsOfFolds : ManyEvaluations))
+  if (before + evaluations >=
+    (this->Settings.Orientation != 0.0 ? ManyEvaluationsOfFolds : ManyEvaluations))
   {
     this->Make();
   }

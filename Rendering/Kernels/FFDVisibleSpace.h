@@ -7,14 +7,15 @@
 #include "FFDCastScene.h"
 #include "FFDExport.h"
 
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <vector>
 
 namespace ffd
@@ -40,6 +41,8 @@ public:
   /// Whether any cell that a box is in is marked.
   bool Meets(const float low[3], const float high[3]) const;
 
+  std::size_t GetMemorySize() const { return this->Rows.capacity() * sizeof(std::uint64_t); }
+
   float GetLow(int a) const { return this->Low[a]; }
   float GetCellsPerLength(int a) const { return this->PerCell[a]; }
   /// Numbers of cells from GetLow() on.
@@ -64,6 +67,56 @@ private:
   float Low[3] = {};
   float PerCell[3] = {};           ///< cells by length
   std::vector<std::uint64_t> Rows; ///< a bit for each cell along x, from the lowest on; y fastest
+};
+
+/// What the cells of a scene follow from, apart from its distance map.
+struct FFD_RENDERING_EXPORT SpaceSettings
+{
+  double Orientation = 0.0;     ///< as of VisibleSpace; 0 of the whole volume
+  double Tolerance = 0.0;       ///< likewise
+  double Reach = 0.0;           ///< kept around, data units
+  glm::dvec3 Origin{ 0.0 };     ///< of the cells, data coordinates
+  Box RestBounds;               ///< of what is taken forward, data coordinates
+  glm::dvec3 FirstVoxel{ 0.0 }; ///< VolumeView
+  glm::dmat3 IndexToData{ 1.0 };
+  std::uint64_t Field = 0; ///< FieldCache::GetNumber()
+
+  bool operator==(const SpaceSettings& other) const;
+};
+
+/**
+ * The last cells of a distance map, kept from frame to frame: where T folds, they take a part of a
+ * frame. Nothing is kept beside a small volume, of which they would be a large part. Threads may
+ * share a cache.
+ */
+class FFD_RENDERING_EXPORT SpaceCache
+{
+public:
+  /// Blocks of a volume of which nothing is kept: cells are no more than a hundredth of it.
+  static constexpr std::size_t FewBlocks = 80000;
+
+  enum class Kinds : std::size_t
+  {
+    Visible,
+    Whole
+  };
+
+  /// The last cells of a kind, if they follow from these settings; else null.
+  std::shared_ptr<const SpaceCells> Find(Kinds kind, const SpaceSettings& settings) const;
+  void Keep(
+    Kinds kind, const SpaceSettings& settings, const std::shared_ptr<const SpaceCells>& cells);
+
+  std::size_t GetMemorySize() const;
+
+private:
+  struct Kept
+  {
+    SpaceSettings Settings;
+    std::shared_ptr<const SpaceCells> Cells;
+  };
+
+  mutable std::mutex Mutex;
+  std::array<Kept, 2> Last; ///< by kind
 };
 
 /**
@@ -102,15 +155,13 @@ public:
 
 private:
   const CastScene& Scene;
-  Box RestBounds;
-  double Reach;
-  glm::dvec3 Origin;
+  SpaceSettings Settings;
   std::once_flag Once;
-  std::optional<SpaceCells> Cells;
+  std::shared_ptr<const SpaceCells> Cells;
 };
 
-/// Makes the VisibleSpace of a scene where inverses turn out to be more work than that. Usable by
-/// any threads.
+/// Makes the VisibleSpace of a scene where inverses turn out to be more work than that, unless it
+/// is kept of a frame before. Usable by any threads.
 class FFD_RENDERING_EXPORT VisibleSpaceOnDemand
 {
 public:
@@ -119,7 +170,7 @@ public:
     const glm::dvec3& origin);
 
   /// What has been made, or null.
-  const VisibleSpace* Find() const { return this->Made.load(std::memory_order_acquire); }
+  const SpaceCells* Find() const { return this->Made.load(std::memory_order_acquire); }
 
   /// Makes it, unless that has been begun.
   void Make();
@@ -129,14 +180,11 @@ public:
 
 private:
   const CastScene& Scene;
-  double Orientation;
-  double Tolerance;
-  double Reach;
-  glm::dvec3 Origin;
+  SpaceSettings Settings;
   std::atomic<std::int64_t> Evaluations{ 0 };
   std::atomic<bool> Begun{ false };
-  std::unique_ptr<const VisibleSpace> Space;
-  std::atomic<const VisibleSpace*> Made{ nullptr };
+  std::shared_ptr<const SpaceCells> Cells;
+  std::atomic<const SpaceCells*> Made{ nullptr };
 };
 
 } // namespace ffd

@@ -5,6 +5,7 @@
 #include "Bounds/FFDMatrixBounds.h"
 #include "Bounds/FFDPullBackBounds.h"
 #include "FFDBoxOrientation.h"
+#include "FFDFieldCache.h"
 #include "FFDRayCaster.h"
 #include "FFDTileBounds.h"
 #include "FFDVisibleSpace.h"
@@ -454,6 +455,98 @@ TEST(VolumeSpace, HoldsAllOfTheWhole)
     EXPECT_FALSE(isMarked(glm::dvec3(1e6)));
   }
   EXPECT_GT(outside, points / 10);
+}
+
+/// Sets of what may be visible that are made and kept of a scene.
+struct KeptSpaces
+{
+  SpaceCache Cache;
+  FieldCache Field;
+  FieldCache OtherField;
+};
+
+TEST(SpaceCache, KeepsWhatFollowsFromTheSameSettings)
+{
+  RandomLattice random(15);
+  Scenery scenery(random, 0, PullBackKind::Exact);
+  CastScene& scene = scenery.Scene;
+  KeptSpaces kept;
+  scene.KeptOfSpace = &kept.Cache;
+  scene.KeptOfField = &kept.Field;
+  const glm::dvec3 origin(3.0, -2.0, 1.0);
+  const auto find = [&scene](
+                      double orientation, double tolerance, double reach, const glm::dvec3& from) {
+    VisibleSpaceOnDemand space(scene, orientation, tolerance, reach, from);
+    const bool known = space.Find() != nullptr;
+    space.Make();
+    EXPECT_NE(space.Find(), nullptr);
+    return std::make_pair(known, space.Find());
+  };
+  const auto isKept = [&](double orientation, double tolerance, double reach,
+                        const glm::dvec3& from) {
+    return find(orientation, tolerance, reach, from).first;
+  };
+  EXPECT_FALSE(isKept(1.0, 0.1, 0.5, origin));
+  EXPECT_TRUE(isKept(1.0, 0.1, 0.5, origin));
+  EXPECT_EQ(find(1.0, 0.1, 0.5, origin).second, find(1.0, 0.1, 0.5, origin).second);
+  EXPECT_FALSE(isKept(0.0, 0.1, 0.5, origin));
+  EXPECT_FALSE(isKept(0.0, 0.2, 0.5, origin));
+  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, origin));
+  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  EXPECT_TRUE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  // Another field, another place or spacing of the voxels.
+  scene.KeptOfField = &kept.OtherField;
+  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  EXPECT_TRUE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  scene.Volume.FirstVoxel.x += 1.0;
+  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  EXPECT_TRUE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  scene.Volume.IndexToData *= 1.5;
+  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  EXPECT_TRUE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  EXPECT_GT(kept.Cache.GetMemorySize(), 0u);
+  // What is not known by its value is not kept.
+  scene.KeptOfField = nullptr;
+  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+
+  scene.KeptOfField = &kept.Field;
+  const Box whole = FindBoundsAtRest(scene.Volume);
+  const auto findWhole = [&](const Box& bounds) {
+    VolumeSpace space(scene, bounds, 0.5, origin);
+    const SpaceCells& cells = space.Get();
+    EXPECT_EQ(&space.Get(), &cells);
+    return kept.Cache
+             .Find(SpaceCache::Kinds::Whole,
+               { 0.0, 0.0, 0.5, origin, bounds, scene.Volume.FirstVoxel, scene.Volume.IndexToData,
+                 kept.Field.GetNumber() })
+             .get() == &cells;
+  };
+  EXPECT_TRUE(findWhole(whole));
+  EXPECT_TRUE(findWhole({ whole.Min - 2.0, whole.Max }));
+  // Only the last ones are.
+  EXPECT_EQ(kept.Cache.Find(SpaceCache::Kinds::Whole,
+              { 0.0, 0.0, 0.5, origin, whole, scene.Volume.FirstVoxel, scene.Volume.IndexToData,
+                kept.Field.GetNumber() }),
+    nullptr);
+}
+
+TEST(SpaceCache, ChangesNoPicture)
+{
+  RandomLattice random(16);
+  for (int run = 0; run < 20; ++run)
+  {
+    Scenery scenery(random, run, PullBackKind::Exact);
+    const std::vector<float> expected = scenery.Render(SpaceLeaping::Lipschitz);
+    KeptSpaces kept;
+    scenery.Scene.KeptOfSpace = &kept.Cache;
+    scenery.Scene.KeptOfField = &kept.Field;
+    for (int frame = 0; frame < 3; ++frame)
+    {
+      ASSERT_EQ(scenery.Render(SpaceLeaping::Lipschitz), expected) << run;
+      ASSERT_EQ(scenery.Render(SpaceLeaping::Lipschitz, false), expected) << run;
+    }
+  }
 }
 
 TEST(BoxOrientation, ProvesWhatIsTurnedOver)

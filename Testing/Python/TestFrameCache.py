@@ -624,6 +624,66 @@ class TestFrameCache(unittest.TestCase):
                 self.assertFalse(np.array_equal(after, before))
                 np.testing.assert_array_equal(after, fresh.image_of())
 
+    def test_spaces_of_folds(self):
+        """Where a large volume that folds may be visible is kept: not beyond what it follows from."""
+        side = 177
+        values = np.zeros((side, side, side), np.uint8)
+        values[20:90, 30:100, 40:120] = 100
+        values[120:150, 100:160, 20:60] = 60
+        image = vtkImageData()
+        image.SetDimensions(side, side, side)
+        image.GetPointData().SetScalars(numpy_to_vtk(values.ravel(), deep=True))
+        lattice = vtkffd.vtkFFDLattice()
+        lattice.SetDimensions(6, 6, 6)
+        lattice.FitToBounds(image.GetBounds())
+        vtkffd.vtkFFDLatticeSource.ApplyShape(lattice, 3, 2.5, 7)
+        function = vtkPiecewiseFunction()
+        function.AddPoint(40.0, 0.0)
+        function.AddPoint(50.0, 0.5)
+        prop = vtkVolumeProperty()
+        prop.SetScalarOpacity(function)
+        prop.SetColor(make_color())
+        prop.SetInterpolationTypeToLinear()
+
+        def make_mapper():
+            mapper = vtkffd.vtkFFDInverseRayVolumeMapper()
+            mapper.SetInputData(image)
+            mapper.SetDeformation(lattice)
+            mapper.CroppingOff()
+            return mapper
+
+        def picture(mapper):
+            volume = vtkVolume()
+            volume.SetMapper(mapper)
+            volume.SetProperty(prop)
+            renderer = vtkRenderer()
+            renderer.AddVolume(volume)
+            renderer.GetActiveCamera().SetPosition(0.4, -1.0, 0.6)
+            renderer.ResetCamera()
+            colors = vtkImageData()
+            self.assertEqual(mapper.RenderToImage(renderer, volume, 64, 64, colors), 1)
+            return vtk_to_numpy(colors.GetPointData().GetScalars()).copy()
+
+        def write():
+            values[90:110, 30:100, 40:120] = 100
+            image.GetPointData().SetScalars(numpy_to_vtk(values.ravel(), deep=True))
+
+        kept = make_mapper()
+        for change in (
+                lambda: None,
+                lambda: lattice.SetDisplacement(2, 2, 2, 60.0, -40.0, 30.0),
+                lambda: function.AddPoint(80.0, 0.0),
+                lambda: image.SetSpacing(1.0, 1.2, 0.8),
+                lambda: image.SetOrigin(-30.0, 20.0, 10.0),
+                lambda: lattice.FitToBounds(image.GetBounds()),
+                write,
+                lambda: lattice.SetDisplacementScale(0.5)):
+            change()
+            expected = picture(make_mapper())
+            for _ in range(2):
+                np.testing.assert_array_equal(picture(kept), expected)
+            self.assertGreater(expected.max(), 0)
+
     def test_grids_that_share_their_scalars(self):
         """Filters that hand content times on show the blanked points of their present input."""
         def blanked(plain):

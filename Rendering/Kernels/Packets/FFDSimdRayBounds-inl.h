@@ -45,7 +45,7 @@ public:
 
   /// Whether something may be visible where the rays are from t = `from` to `to`, local lengths, in
   /// boxes of about the given length each.
-  bool Meet(const VisibleSpace& space, float from, float to, float length) const
+  bool Meet(const SpaceCells& space, float from, float to, float length) const
   {
     const float stretch = this->FindStretch();
     const float shift = 0.25f * this->Distance * this->Directions.FindSquaredDiagonal();

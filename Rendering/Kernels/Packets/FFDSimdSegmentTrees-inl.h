@@ -510,7 +510,7 @@ private:
   int First = 0;
   int Last = -1;
   VisibleSpaceOnDemand* SpaceOnDemand; ///< null, too, where empty segments are looked at
-  const VisibleSpace* Space;           ///< null as long as there is none
+  const SpaceCells* Space;             ///< null as long as there is none
   std::int64_t NotedEvaluations;       ///< of the thread
 };
 
