@@ -236,26 +236,29 @@ TEST(MinMaxBlocks, WhatIsFarFromAllOthersTakesNoSteps)
   });
 }
 
-// Maxima that differ in their last bits, as those of a constant that has been computed, are not
-// ends of the range that nothing else is near.
+// Values that differ in their last bits, as those of a constant that has been computed, beside
+// others that are far away from them.
 TEST(MinMaxBlocks, RoundingErrorsAreNoEndsOfTheRange)
 {
-  for (const double top : { 0.1, 100.0, -3.0, 1e200 })
+  for (const double common : { 0.1, 100.0, -3.0, 1e200 })
   {
-    const TestVolume volume(ScalarType::Float64, glm::ivec3(33, 9, 9), [top](int i, int j, int k) {
-      double value = top;
-      for (int n = 0; n < (i / 4 + j + k) % 5; ++n)
-      {
-        value = std::nextafter(value, 0.0);
-      }
-      return value;
-    });
-    const MinMaxBlocks blocks(volume.View, ParallelFor());
-    ForEachBlock(blocks, [&](const glm::ivec3& block, const MinMaxBlocks::Limits& limits) {
-      const MinMaxBlocks::Limits truth = BruteForce(volume, block);
-      ASSERT_LE(limits.Min, truth.Min) << top;
-      ASSERT_GE(limits.Max, truth.Max) << top;
-    });
+    for (const double far : { 0.0, -1.0, 2.0 })
+    {
+      const TestVolume volume(ScalarType::Float64, glm::ivec3(61, 9, 9), [&](int i, int, int) {
+        double value = i < 14 ? far * common : common;
+        for (int n = 0; i >= 14 && n < i / 12; ++n)
+        {
+          value = std::nextafter(value, 0.0);
+        }
+        return value;
+      });
+      const MinMaxBlocks blocks(volume.View, ParallelFor());
+      ForEachBlock(blocks, [&](const glm::ivec3& block, const MinMaxBlocks::Limits& limits) {
+        const MinMaxBlocks::Limits truth = BruteForce(volume, block);
+        ASSERT_LE(limits.Min, truth.Min) << common << ' ' << far;
+        ASSERT_GE(limits.Max, truth.Max) << common << ' ' << far;
+      });
+    }
   }
 }
 
