@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkFFDLatticeData.h"
 
+#include "FFDGridIndex.h"
 #include "FFDLattice.h"
 
 #include "vtkDataObject.h"
@@ -255,8 +256,11 @@ void vtkFFDWriteLattice(const ffd::Lattice& lattice, vtkDataObject* object)
 }
 
 //------------------------------------------------------------------------------
-std::string vtkFFDReadLattice(vtkDataObject* object, ffd::Lattice& lattice)
+std::string vtkFFDReadLattice(vtkDataObject* object, ffd::Lattice& lattice, bool* isComplete)
 {
+  bool ignored;
+  bool& complete = isComplete ? *isComplete : ignored;
+  complete = false;
   if (!object)
   {
     return "the data object is null";
@@ -267,6 +271,7 @@ std::string vtkFFDReadLattice(vtkDataObject* object, ffd::Lattice& lattice)
   reader.Read("Version", &version, 1);
   if (reader.GetProblem().empty() && version != CurrentVersion)
   {
+    complete = true;
     return "its version is " + std::to_string(version) + ", this library reads version 1";
   }
   reader.Read("Dimensions", &read.Net.Nodes.x, 3);
@@ -285,6 +290,9 @@ std::string vtkFFDReadLattice(vtkDataObject* object, ffd::Lattice& lattice)
     return "the field-data array FFDLattice.Displacement is missing or has not 3 components";
   }
   read.Net.Values = vtkFFDCopyTuples(displacements);
+  const glm::ivec3& nodes = read.Net.Nodes;
+  complete =
+    std::min({ nodes.x, nodes.y, nodes.z }) > 0 && read.Net.Values.size() == ffd::GridSize(nodes);
   const std::string problem = read.FindProblem();
   if (problem.empty())
   {

@@ -51,12 +51,14 @@ ffd::Lattice vtkFFDGetLatticeValue(vtkFFDLattice* lattice, vtkDoubleArray* displ
 /**
  * A lattice in the field data of a data object: see vtkFFDLattice::AttachTo() for the arrays.
  * vtkFFDReadLattice() returns what is missing or malformed, and leaves the lattice, or an empty
- * string.
+ * string. `isComplete`, if not null: whether all of the arrays are there, with a displacement for
+ * each control point; what is wrong then are values.
  */
 VTKFFDCORE_EXPORT bool vtkFFDHasLattice(vtkDataObject* object);
 void vtkFFDRemoveLattice(vtkDataObject* object);
 void vtkFFDWriteLattice(const ffd::Lattice& lattice, vtkDataObject* object);
-VTKFFDCORE_EXPORT std::string vtkFFDReadLattice(vtkDataObject* object, ffd::Lattice& lattice);
+VTKFFDCORE_EXPORT std::string vtkFFDReadLattice(
+  vtkDataObject* object, ffd::Lattice& lattice, bool* isComplete = nullptr);
 ///@}
 
 ///@{

@@ -22,14 +22,20 @@ namespace
 {
 
 /// About so many boxes in all, and no smaller than so many voxels.
-constexpr double NumberOfVisibleBoxes = 32768.0;
-constexpr double NumberOfVolumeBoxes = 4096.0;
-constexpr double SmallestEdge = 4.0;
+struct BoxSize
+{
+  double Number;
+  double SmallestEdge;
+};
+constexpr BoxSize FewVisibleBoxes{ 32768.0, 4.0 };
+constexpr BoxSize ManyVisibleBoxes{ 131072.0, 2.0 };
+constexpr BoxSize VolumeBoxes{ 4096.0, 4.0 };
 
 /// So many evaluations, each lane counted, take longer than all of the boxes; where T folds they
 /// are the first of many.
 constexpr std::int64_t ManyEvaluations = 250000;
 constexpr std::int64_t ManyEvaluationsOfFolds = 25000;
+constexpr std::int64_t WorkOfManyBoxes = 4;
 
 /// Calls visit(index) for every `step`-th index of each axis from `first` on, before `end`.
 template <class Visit>
@@ -59,12 +65,18 @@ double FindMargin(const CastScene& scene, double reach)
   return reach + BoxGuard * scene.VoxelSize;
 }
 
+/// Cuts a box at rest.
+BoxGrid Cut(const CastScene& scene, const Box& restBounds, const BoxSize& size)
+{
+  return BoxGrid(restBounds, size.Number, size.SmallestEdge * scene.VoxelSize);
+}
+
 /// The images of the boxes in which something may be visible.
 std::vector<SpaceCells::LocalBox> FindVisibleImages(const CastScene& scene, double orientation,
-  double tolerance, double reach, const glm::dvec3& origin)
+  double tolerance, double reach, const glm::dvec3& origin, SpaceCache::Boxes by)
 {
-  const BoxGrid boxes(
-    FindBoundsAtRest(scene.Volume), NumberOfVisibleBoxes, SmallestEdge * scene.VoxelSize);
+  const BoxGrid boxes = Cut(scene, FindBoundsAtRest(scene.Volume),
+    by == SpaceCache::Boxes::Few ? FewVisibleBoxes : ManyVisibleBoxes);
   const auto images = FindBoxImages(scene, boxes, 1.0);
   const auto isEmpty = [&](
                          const Box& box) { return ShowsNothing(scene, box, tolerance + BoxGuard); };
@@ -104,7 +116,7 @@ std::vector<SpaceCells::LocalBox> FindVisibleImages(const CastScene& scene, doub
 std::vector<SpaceCells::LocalBox> FindVolumeImages(
   const CastScene& scene, const Box& restBounds, double reach, const glm::dvec3& origin)
 {
-  const BoxGrid boxes(restBounds, NumberOfVolumeBoxes, SmallestEdge * scene.VoxelSize);
+  const BoxGrid boxes = Cut(scene, restBounds, VolumeBoxes);
   const auto images = FindBoxImages(scene, boxes, 1.0);
   const double around = FindMargin(scene, reach);
   std::vector<SpaceCells::LocalBox> found;
@@ -114,42 +126,10 @@ std::vector<SpaceCells::LocalBox> FindVolumeImages(
   return found;
 }
 
-/// Whether cells of a scene can be kept: all that they follow from is known by its value.
+/// Whether the cells of a scene can be kept: all that they follow from is known by its value.
 bool HasCache(const CastScene& scene)
 {
   return scene.KeptOfSpace && scene.KeptOfField && !scene.Volume.Axes;
-}
-
-/// Of the whole volume.
-SpaceSettings MakeSettings(
-  const CastScene& scene, const Box& restBounds, double reach, const glm::dvec3& origin)
-{
-  SpaceSettings settings;
-  settings.Reach = reach;
-  settings.Origin = origin;
-  settings.RestBounds = restBounds;
-  settings.FirstVoxel = scene.Volume.FirstVoxel;
-  settings.IndexToData = scene.Volume.IndexToData;
-  settings.Field = scene.KeptOfField ? scene.KeptOfField->GetNumber() : 0;
-  return settings;
-}
-
-/// The cells that are kept of a scene, or those of make(), which are kept from now on.
-template <class Make>
-std::shared_ptr<const SpaceCells> FindOrMake(
-  const CastScene& scene, SpaceCache::Kinds kind, const SpaceSettings& settings, const Make& make)
-{
-  if (!HasCache(scene))
-  {
-    return make();
-  }
-  std::shared_ptr<const SpaceCells> cells = scene.KeptOfSpace->Find(kind, settings);
-  if (!cells)
-  {
-    cells = make();
-    scene.KeptOfSpace->Keep(kind, settings, cells);
-  }
-  return cells;
 }
 
 } // namespace
@@ -235,54 +215,50 @@ bool SpaceCells::Meets(const float low[3], const float high[3]) const
 }
 
 //------------------------------------------------------------------------------
-VisibleSpace::VisibleSpace(const CastScene& scene, double orientation, double tolerance,
-  double reach, const glm::dvec3& origin)
-  : SpaceCells(FindVisibleImages(scene, orientation, tolerance, reach, origin))
-{
-}
-
-//------------------------------------------------------------------------------
 bool SpaceSettings::operator==(const SpaceSettings& other) const
 {
   return this->Orientation == other.Orientation && this->Tolerance == other.Tolerance &&
     this->Reach == other.Reach && this->Origin == other.Origin &&
-    this->RestBounds == other.RestBounds && this->FirstVoxel == other.FirstVoxel &&
-    this->IndexToData == other.IndexToData && this->Field == other.Field;
+    this->FirstVoxel == other.FirstVoxel && this->IndexToData == other.IndexToData &&
+    this->Field == other.Field;
 }
 
 //------------------------------------------------------------------------------
-std::shared_ptr<const SpaceCells> SpaceCache::Find(Kinds kind, const SpaceSettings& settings) const
+SpaceCache::Kept SpaceCache::Find(const SpaceSettings& settings) const
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  const Kept& last = this->Last[static_cast<std::size_t>(kind)];
-  return last.Cells && last.Settings == settings ? last.Cells : nullptr;
+  return this->Settings == settings ? this->Last : Kept();
 }
 
 //------------------------------------------------------------------------------
-void SpaceCache::Keep(
-  Kinds kind, const SpaceSettings& settings, const std::shared_ptr<const SpaceCells>& cells)
+void SpaceCache::Keep(const SpaceSettings& settings, const Kept& kept)
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  this->Last[static_cast<std::size_t>(kind)] = { settings, cells };
+  this->Settings = settings;
+  this->Last = kept;
 }
 
 //------------------------------------------------------------------------------
 std::size_t SpaceCache::GetMemorySize() const
 {
   const std::lock_guard<std::mutex> lock(this->Mutex);
-  std::size_t size = 0;
-  for (const Kept& each : this->Last)
-  {
-    size += each.Cells ? each.Cells->GetMemorySize() : 0;
-  }
-  return size;
+  return this->Last.Cells ? this->Last.Cells->GetMemorySize() : 0;
+}
+
+//------------------------------------------------------------------------------
+VisibleSpace::VisibleSpace(const CastScene& scene, double orientation, double tolerance,
+  double reach, const glm::dvec3& origin, SpaceCache::Boxes by)
+  : SpaceCells(FindVisibleImages(scene, orientation, tolerance, reach, origin, by))
+{
 }
 
 //------------------------------------------------------------------------------
 VolumeSpace::VolumeSpace(
   const CastScene& scene, const Box& restBounds, double reach, const glm::dvec3& origin)
   : Scene(scene)
-  , Settings(MakeSettings(scene, restBounds, reach, origin))
+  , RestBounds(restBounds)
+  , Reach(reach)
+  , Origin(origin)
 {
 }
 
@@ -290,11 +266,7 @@ VolumeSpace::VolumeSpace(
 const SpaceCells& VolumeSpace::Get()
 {
   std::call_once(this->Once, [this] {
-    const SpaceSettings& settings = this->Settings;
-    this->Cells = FindOrMake(this->Scene, SpaceCache::Kinds::Whole, settings, [&] {
-      return std::make_shared<const SpaceCells>(
-        FindVolumeImages(this->Scene, settings.RestBounds, settings.Reach, settings.Origin));
-    });
+    this->Cells.emplace(FindVolumeImages(this->Scene, this->RestBounds, this->Reach, this->Origin));
   });
   return *this->Cells;
 }
@@ -303,39 +275,55 @@ const SpaceCells& VolumeSpace::Get()
 VisibleSpaceOnDemand::VisibleSpaceOnDemand(const CastScene& scene, double orientation,
   double tolerance, double reach, const glm::dvec3& origin)
   : Scene(scene)
-  , Settings(MakeSettings(scene, FindBoundsAtRest(scene.Volume), reach, origin))
 {
-  this->Settings.Orientation = orientation;
-  this->Settings.Tolerance = tolerance;
-  if (HasCache(scene) && scene.KeptOfSpace->Find(SpaceCache::Kinds::Visible, this->Settings))
+  this->Settings = { orientation, tolerance, reach, origin, scene.Volume.FirstVoxel,
+    scene.Volume.IndexToData, scene.KeptOfField ? scene.KeptOfField->GetNumber() : 0 };
+  if (HasCache(scene))
   {
-    this->Make();
+    this->Before = scene.KeptOfSpace->Find(this->Settings);
+    this->Begun = this->Before.By == SpaceCache::Boxes::Many;
+    this->Made = this->Before.Cells.get();
   }
+}
+
+//------------------------------------------------------------------------------
+std::shared_ptr<const SpaceCells> VisibleSpaceOnDemand::MakeBy(SpaceCache::Boxes boxes) const
+{
+  const SpaceSettings& settings = this->Settings;
+  return std::make_shared<const VisibleSpace>(
+    this->Scene, settings.Orientation, settings.Tolerance, settings.Reach, settings.Origin, boxes);
 }
 
 //------------------------------------------------------------------------------
 void VisibleSpaceOnDemand::Make()
 {
-  // Others go on without it meanwhile.
-  if (!this->Begun.exchange(true))
-  {
-    const SpaceSettings& settings = this->Settings;
-    this->Cells = FindOrMake(this->Scene, SpaceCache::Kinds::Visible, settings, [&] {
-      return std::make_shared<const VisibleSpace>(
-        this->Scene, settings.Orientation, settings.Tolerance, settings.Reach, settings.Origin);
-    });
-    this->Made.store(this->Cells.get(), std::memory_order_release);
-  }
+  this->Begun = true;
+  this->Cells = this->MakeBy(SpaceCache::Boxes::Few);
+  this->Made = this->Cells.get();
 }
 
 //------------------------------------------------------------------------------
 void VisibleSpaceOnDemand::NoteWork(std::int64_t evaluations)
 {
-  const std::int64_t before = this->Evaluations.fetch_add(evaluations, std::memory_order_relaxed);
-  if (before + evaluations >=
-    (this->Settings.Orientation != 0.0 ? ManyEvaluationsOfFolds : ManyEvaluations))
+  if (this->Begun.load(std::memory_order_relaxed))
   {
-    this->Make();
+    return;
+  }
+  const std::int64_t most =
+    (this->Settings.Orientation != 0.0 ? ManyEvaluationsOfFolds : ManyEvaluations) *
+    (this->Before.Cells ? WorkOfManyBoxes : 1);
+  const std::int64_t before = this->Evaluations.fetch_add(evaluations, std::memory_order_relaxed);
+  // Others go on with what there is meanwhile.
+  if (before + evaluations >= most && !this->Begun.exchange(true))
+  {
+    const SpaceCache::Boxes by =
+      this->Before.Cells ? SpaceCache::Boxes::Many : SpaceCache::Boxes::Few;
+    this->Cells = this->MakeBy(by);
+    if (HasCache(this->Scene))
+    {
+      this->Scene.KeptOfSpace->Keep(this->Settings, { this->Cells, by });
+    }
+    this->Made.store(this->Cells.get(), std::memory_order_release);
   }
 }
 

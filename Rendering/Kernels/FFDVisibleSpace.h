@@ -10,12 +10,12 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 namespace ffd
@@ -69,15 +69,14 @@ private:
   std::vector<std::uint64_t> Rows; ///< a bit for each cell along x, from the lowest on; y fastest
 };
 
-/// What the cells of a scene follow from, apart from its distance map.
+/// What VisibleSpace follows from, apart from the distance map.
 struct FFD_RENDERING_EXPORT SpaceSettings
 {
-  double Orientation = 0.0;     ///< as of VisibleSpace; 0 of the whole volume
-  double Tolerance = 0.0;       ///< likewise
-  double Reach = 0.0;           ///< kept around, data units
-  glm::dvec3 Origin{ 0.0 };     ///< of the cells, data coordinates
-  Box RestBounds;               ///< of what is taken forward, data coordinates
-  glm::dvec3 FirstVoxel{ 0.0 }; ///< VolumeView
+  double Orientation = 0.0; ///< see VisibleSpace, as the next ones
+  double Tolerance = 0.0;
+  double Reach = 0.0;
+  glm::dvec3 Origin{ 0.0 };
+  glm::dvec3 FirstVoxel{ 0.0 }; ///< see VolumeView, as the next one
   glm::dmat3 IndexToData{ 1.0 };
   std::uint64_t Field = 0; ///< FieldCache::GetNumber()
 
@@ -85,38 +84,38 @@ struct FFD_RENDERING_EXPORT SpaceSettings
 };
 
 /**
- * The last cells of a distance map, kept from frame to frame: where T folds, they take a part of a
- * frame. Nothing is kept beside a small volume, of which they would be a large part. Threads may
- * share a cache.
+ * The last VisibleSpace of a distance map, kept from frame to frame. Nothing is kept beside a small
+ * volume, of which it would be a large part. Threads may share a cache.
  */
 class FFD_RENDERING_EXPORT SpaceCache
 {
 public:
-  /// Blocks of a volume of which nothing is kept: cells are no more than a hundredth of it.
-  static constexpr std::size_t FewBlocks = 80000;
+  /// Blocks of a volume of which nothing is kept: cells are no more than a sixtieth of another one.
+  static constexpr std::size_t FewBlocks = 30000;
 
-  enum class Kinds : std::size_t
+  /// By how many boxes cells are found. Those of many take longer, and fewer rays are followed.
+  enum class Boxes
   {
-    Visible,
-    Whole
+    Few,
+    Many
   };
 
-  /// The last cells of a kind, if they follow from these settings; else null.
-  std::shared_ptr<const SpaceCells> Find(Kinds kind, const SpaceSettings& settings) const;
-  void Keep(
-    Kinds kind, const SpaceSettings& settings, const std::shared_ptr<const SpaceCells>& cells);
+  struct Kept
+  {
+    std::shared_ptr<const SpaceCells> Cells;
+    Boxes By = Boxes::Few;
+  };
+
+  /// The last cells, if they follow from these settings; else null.
+  Kept Find(const SpaceSettings& settings) const;
+  void Keep(const SpaceSettings& settings, const Kept& kept);
 
   std::size_t GetMemorySize() const;
 
 private:
-  struct Kept
-  {
-    SpaceSettings Settings;
-    std::shared_ptr<const SpaceCells> Cells;
-  };
-
   mutable std::mutex Mutex;
-  std::array<Kept, 2> Last; ///< by kind
+  SpaceSettings Settings;
+  Kept Last;
 };
 
 /**
@@ -131,9 +130,9 @@ public:
   /// the Jacobian determinant of T at rest points that are shown, 1 or -1; 0 where T is not known
   /// to fold. `tolerance`: largest distance of samples from the pull-back, voxels. `reach`: kept
   /// around what may be visible, data units. `origin`: that of the boxes of Meets(), data
-  /// coordinates.
+  /// coordinates. `by`: more boxes leave out more.
   VisibleSpace(const CastScene& scene, double orientation, double tolerance, double reach,
-    const glm::dvec3& origin);
+    const glm::dvec3& origin, SpaceCache::Boxes by = SpaceCache::Boxes::Few);
 };
 
 /**
@@ -155,13 +154,18 @@ public:
 
 private:
   const CastScene& Scene;
-  SpaceSettings Settings;
+  Box RestBounds;
+  double Reach;
+  glm::dvec3 Origin;
   std::once_flag Once;
-  std::shared_ptr<const SpaceCells> Cells;
+  std::optional<SpaceCells> Cells;
 };
 
-/// Makes the VisibleSpace of a scene where inverses turn out to be more work than that, unless it
-/// is kept of a frame before. Usable by any threads.
+/**
+ * Makes the VisibleSpace of a scene where inverses turn out to be more work than that. If it is
+ * kept of a frame before, that is taken at once, and much work makes it anew, by more boxes: what
+ * is kept once may well be asked for again. Usable by any threads.
+ */
 class FFD_RENDERING_EXPORT VisibleSpaceOnDemand
 {
 public:
@@ -169,18 +173,21 @@ public:
   VisibleSpaceOnDemand(const CastScene& scene, double orientation, double tolerance, double reach,
     const glm::dvec3& origin);
 
-  /// What has been made, or null.
+  /// What there is, or null. It may change, what it was remains.
   const SpaceCells* Find() const { return this->Made.load(std::memory_order_acquire); }
 
-  /// Makes it, unless that has been begun.
+  /// Makes it, whatever is kept, before any thread has noted work: all frames have the same one.
   void Make();
 
-  /// Notes evaluations of T; many of them in all call Make().
+  /// Notes evaluations of T, many of which make it.
   void NoteWork(std::int64_t evaluations);
 
 private:
+  std::shared_ptr<const SpaceCells> MakeBy(SpaceCache::Boxes boxes) const;
+
   const CastScene& Scene;
   SpaceSettings Settings;
+  SpaceCache::Kept Before; ///< of a frame before
   std::atomic<std::int64_t> Evaluations{ 0 };
   std::atomic<bool> Begun{ false };
   std::shared_ptr<const SpaceCells> Cells;

@@ -375,7 +375,8 @@ TEST(VisibleSpace, MeetsWhatMayBeVisible)
     const Scenery scenery(random, run, PullBackKind::Exact);
     // What has either orientation may be visible, or what keeps that of space alone.
     const double orientation = run / 12 % 2;
-    const VisibleSpace space(scenery.Scene, orientation, 0.1, 0.0, origin);
+    const VisibleSpace space(scenery.Scene, orientation, 0.1, 0.0, origin,
+      run % 2 == 0 ? SpaceCache::Boxes::Few : SpaceCache::Boxes::Many);
     const auto meets = [&](const glm::dvec3& p, double half) {
       const glm::vec3 low(p - half - origin);
       const glm::vec3 high(p + half - origin);
@@ -457,78 +458,90 @@ TEST(VolumeSpace, HoldsAllOfTheWhole)
   EXPECT_GT(outside, points / 10);
 }
 
-/// Sets of what may be visible that are made and kept of a scene.
-struct KeptSpaces
-{
-  SpaceCache Cache;
-  FieldCache Field;
-  FieldCache OtherField;
-};
-
 TEST(SpaceCache, KeepsWhatFollowsFromTheSameSettings)
 {
   RandomLattice random(15);
   Scenery scenery(random, 0, PullBackKind::Exact);
   CastScene& scene = scenery.Scene;
-  KeptSpaces kept;
-  scene.KeptOfSpace = &kept.Cache;
-  scene.KeptOfField = &kept.Field;
-  const glm::dvec3 origin(3.0, -2.0, 1.0);
-  const auto find = [&scene](
-                      double orientation, double tolerance, double reach, const glm::dvec3& from) {
-    VisibleSpaceOnDemand space(scene, orientation, tolerance, reach, from);
+  SpaceCache cache;
+  FieldCache field;
+  FieldCache otherField;
+  scene.KeptOfSpace = &cache;
+  scene.KeptOfField = &field;
+  SpaceSettings settings{ 1.0, 0.1, 0.5, { 3.0, -2.0, 1.0 } };
+  // Whether something is known before any work, as it is after the next frame's.
+  const auto isKept = [&] {
+    VisibleSpaceOnDemand space(
+      scene, settings.Orientation, settings.Tolerance, settings.Reach, settings.Origin);
     const bool known = space.Find() != nullptr;
-    space.Make();
+    space.NoteWork(100000000);
     EXPECT_NE(space.Find(), nullptr);
-    return std::make_pair(known, space.Find());
+    return known;
   };
-  const auto isKept = [&](double orientation, double tolerance, double reach,
-                        const glm::dvec3& from) {
-    return find(orientation, tolerance, reach, from).first;
+  const auto expectKeptOnce = [&isKept] {
+    EXPECT_FALSE(isKept());
+    EXPECT_TRUE(isKept());
+    EXPECT_TRUE(isKept());
   };
-  EXPECT_FALSE(isKept(1.0, 0.1, 0.5, origin));
-  EXPECT_TRUE(isKept(1.0, 0.1, 0.5, origin));
-  EXPECT_EQ(find(1.0, 0.1, 0.5, origin).second, find(1.0, 0.1, 0.5, origin).second);
-  EXPECT_FALSE(isKept(0.0, 0.1, 0.5, origin));
-  EXPECT_FALSE(isKept(0.0, 0.2, 0.5, origin));
-  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, origin));
-  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
-  EXPECT_TRUE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
-  // Another field, another place or spacing of the voxels.
-  scene.KeptOfField = &kept.OtherField;
-  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
-  EXPECT_TRUE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  EXPECT_EQ(cache.GetMemorySize(), 0u);
+  expectKeptOnce();
+  EXPECT_EQ(cache.GetMemorySize(), std::size_t{ SpaceCells::Cells } * SpaceCells::Cells * 8);
+  settings.Orientation = 0.0;
+  expectKeptOnce();
+  settings.Tolerance = 0.2;
+  expectKeptOnce();
+  settings.Reach = 0.6;
+  expectKeptOnce();
+  settings.Origin.y = 2.0;
+  expectKeptOnce();
+  scene.KeptOfField = &otherField;
+  expectKeptOnce();
   scene.Volume.FirstVoxel.x += 1.0;
-  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
-  EXPECT_TRUE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  expectKeptOnce();
   scene.Volume.IndexToData *= 1.5;
-  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
-  EXPECT_TRUE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
-  EXPECT_GT(kept.Cache.GetMemorySize(), 0u);
+  expectKeptOnce();
   // What is not known by its value is not kept.
   scene.KeptOfField = nullptr;
-  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
-  EXPECT_FALSE(isKept(0.0, 0.2, 0.6, 2.0 * origin));
+  EXPECT_FALSE(isKept());
+  EXPECT_FALSE(isKept());
+}
 
-  scene.KeptOfField = &kept.Field;
-  const Box whole = FindBoundsAtRest(scene.Volume);
-  const auto findWhole = [&](const Box& bounds) {
-    VolumeSpace space(scene, bounds, 0.5, origin);
-    const SpaceCells& cells = space.Get();
-    EXPECT_EQ(&space.Get(), &cells);
-    return kept.Cache
-             .Find(SpaceCache::Kinds::Whole,
-               { 0.0, 0.0, 0.5, origin, bounds, scene.Volume.FirstVoxel, scene.Volume.IndexToData,
-                 kept.Field.GetNumber() })
-             .get() == &cells;
-  };
-  EXPECT_TRUE(findWhole(whole));
-  EXPECT_TRUE(findWhole({ whole.Min - 2.0, whole.Max }));
-  // Only the last ones are.
-  EXPECT_EQ(kept.Cache.Find(SpaceCache::Kinds::Whole,
-              { 0.0, 0.0, 0.5, origin, whole, scene.Volume.FirstVoxel, scene.Volume.IndexToData,
-                kept.Field.GetNumber() }),
-    nullptr);
+TEST(SpaceCache, WhatIsAskedForAgainIsMadeByMoreBoxes)
+{
+  RandomLattice random(17);
+  int fewer = 0;
+  for (int run = 0; run < 20; ++run)
+  {
+    Scenery scenery(random, run, PullBackKind::Exact);
+    SpaceCache cache;
+    FieldCache field;
+    scenery.Scene.KeptOfSpace = &cache;
+    scenery.Scene.KeptOfField = &field;
+    const auto count = [&](std::int64_t evaluations) {
+      VisibleSpaceOnDemand space(scenery.Scene, 1.0, 0.1, 0.5, glm::dvec3(0.0));
+      space.NoteWork(evaluations);
+      double marked = 0.0;
+      double volume = 1.0;
+      for (int a = 0; a < 3; ++a)
+      {
+        volume /= static_cast<double>(space.Find()->GetCellsPerLength(a));
+      }
+      for (int cell = 0; cell < 64 * 64 * 64; ++cell)
+      {
+        marked += space.Find()->IsMarked(cell % 64, cell / 64 % 64, cell / 64 / 64) ? volume : 0.0;
+      }
+      return marked;
+    };
+    const double first = count(30000);
+    // That takes longer: little work is not enough for it.
+    EXPECT_EQ(count(30000), first);
+    const double second = count(100000);
+    EXPECT_LE(second, 1.02 * first);
+    EXPECT_EQ(count(0), second);
+    EXPECT_EQ(count(1000000), second);
+    fewer += second < 0.97 * first ? 1 : 0;
+  }
+  EXPECT_GT(fewer, 10);
 }
 
 TEST(SpaceCache, ChangesNoPicture)
@@ -538,9 +551,10 @@ TEST(SpaceCache, ChangesNoPicture)
   {
     Scenery scenery(random, run, PullBackKind::Exact);
     const std::vector<float> expected = scenery.Render(SpaceLeaping::Lipschitz);
-    KeptSpaces kept;
-    scenery.Scene.KeptOfSpace = &kept.Cache;
-    scenery.Scene.KeptOfField = &kept.Field;
+    SpaceCache cache;
+    FieldCache field;
+    scenery.Scene.KeptOfSpace = &cache;
+    scenery.Scene.KeptOfField = &field;
     for (int frame = 0; frame < 3; ++frame)
     {
       ASSERT_EQ(scenery.Render(SpaceLeaping::Lipschitz), expected) << run;

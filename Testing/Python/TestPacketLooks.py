@@ -734,6 +734,30 @@ class TestPacketLooks(unittest.TestCase):
             self.picture(mapper, volume, False, pixels=PIXELS_COUNTED)
             self.assertLess(mapper.GetStatistics().GetEvaluationsPerRay(), most)
 
+    def test_rays_through_fine_lattices(self):
+        # Segments cross many cells of the lattice before they are short enough.
+        _, mapper, prop, volume = self.make("u1", False)
+        image = vtkImageData()
+        image.SetDimensions(64, 64, 64)
+        z, y, x = numpy.mgrid[0:64, 0:64, 0:64]
+        values = 127 + 100 * numpy.sin(0.4 * x) * numpy.cos(0.5 * y) * numpy.cos(0.4 * z)
+        image.GetPointData().SetScalars(numpy_to_vtk(values.astype("u1").ravel(), deep=True))
+        mapper.SetInputData(image)
+        mapper.CollectStatisticsOn()
+        prop.SetScalarOpacity(points((130.0, 0.0), (190.0, 0.4)))
+        random = numpy.random.default_rng(1)
+        for side, part, most in ((16, 0.2, 4.0), (32, 0.1, 8.0), (48, 0.1, 16.0)):
+            lattice = vtkffd.vtkFFDLattice()
+            lattice.SetDimensions(side, side, side)
+            lattice.FitToBounds(image.GetBounds())
+            moves = part * 64.0 / (side - 3) * random.uniform(-1.0, 1.0, (side**3, 3))
+            vtk_to_numpy(lattice.GetDisplacements())[:] = moves
+            lattice.GetDisplacements().Modified()
+            mapper.SetDeformation(lattice)
+            self.compare(mapper, volume, (side, part), mean=0.4, tail=10.0)
+            self.picture(mapper, volume, False, pixels=400)
+            self.assertLess(mapper.GetStatistics().GetEvaluationsPerRay(), most)
+
     def test_extremes_end_where_nothing_beyond_them_shows(self):
         # Dark air in front of it makes a minimum invisible, whatever comes behind.
         scale, mapper, prop, volume = self.make("u1", False)

@@ -27,6 +27,9 @@ constexpr double PartLength = 2.0;
 /// The length of roots of the smallest volumes, voxels.
 constexpr double LeastRoot = 4.0;
 
+/// Cells of the lattice in PacketScene::LongestPlain.
+constexpr double CellsInSegment = 3.0;
+
 /// How far D goes on linearly beyond a lattice that is one to one, voxels, and for how many cells
 /// beyond others.
 constexpr double LinearReach = 64.0;
@@ -293,6 +296,12 @@ void SetSegments(const CastScene& scene, const CastSettings& settings, PacketSce
   const glm::dvec3 extent = whole.Max - whole.Min;
   const double widest = std::max({ extent.x, extent.y, extent.z, LeastRoot * voxel });
   p.SamplesPerRoot = powerOfTwo(std::min(settings.ErrorBound.LongestSegment, widest) / distance);
+  if (const BSplineField* const field = scene.Map->IsIdentity() ? nullptr : scene.Map->GetField())
+  {
+    const glm::dvec3& spacing = field->GetSpacing();
+    p.LongestPlain =
+      static_cast<float>(CellsInSegment * std::max({ spacing.x, spacing.y, spacing.z }) / voxel);
+  }
   p.SamplesPerPart = powerOfTwo(PartLength * voxel / distance);
 }
 

@@ -250,9 +250,12 @@ struct PacketScene
   float VoxelsPerUnit = 1.0f;     ///< lengths in data units to lengths in voxels
   float ShortestSegment = 0.5f;   ///< voxels
   int SamplesPerRoot = 1;         ///< of the longest segments
-  int RootSide = TileSide;        ///< pixels along each side of these, at least of a tile
-  int SamplesPerPart = 1; ///< of a segment, that are tested for emptiness together, at least
-  TileBounds Seen;        ///< of what may be visible, local coordinates
+  /// Longer segments cross many cells of the lattice, voxels: whatever halving them has gained, it
+  /// will gain more when they cross few.
+  float LongestPlain = std::numeric_limits<float>::infinity();
+  int RootSide = TileSide; ///< pixels along each side of these, at least of a tile
+  int SamplesPerPart = 1;  ///< of a segment, that are tested for emptiness together, at least
+  TileBounds Seen;         ///< of what may be visible, local coordinates
   /// The same wherever it is, local coordinates; null where T is known to be one to one.
   std::shared_ptr<VisibleSpaceOnDemand> Space;
   std::shared_ptr<VolumeSpace> WholeSpace; ///< likewise

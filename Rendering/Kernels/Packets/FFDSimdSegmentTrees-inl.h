@@ -144,7 +144,7 @@ public:
   /// Notes what has been evaluated since: much of that makes VisibleSpace pay.
   void NoteWork()
   {
-    if (this->SpaceOnDemand && !this->Space)
+    if (this->SpaceOnDemand)
     {
       const std::int64_t evaluations = this->Scratch.Statistics.Evaluations;
       this->SpaceOnDemand->NoteWork(evaluations - this->NotedEvaluations);
@@ -363,8 +363,9 @@ private:
     // No interpolant is close enough where T folds or nearly does.
     const float longest = this->Scene.Folds ? 32.0f : 8.0f;
     const bool hopeless = !(segment.Error < 1.0f) && length <= longest && segment.Side <= 16;
-    const bool halvedInVain = segment.Error > LittleHelp * segment.ErrorBefore ||
-      (segment.Side > TileSide && IsRougherAcross(segment));
+    const bool halvedInVain = length <= this->Scene.LongestPlain &&
+      (segment.Error > LittleHelp * segment.ErrorBefore ||
+        (segment.Side > TileSide && IsRougherAcross(segment)));
     const bool few = segment.Side * segment.Side * segment.Samples <= FewSamples;
     this->NoteWork();
     if (few || hopeless || !(canHalve || canQuarter))

@@ -87,10 +87,10 @@ bool vtkFFDShownLattice::Read(vtkDataObject* data, vtkFFDLattice* lattice)
   if (array && IsNewArray(array))
   {
     ffd::Lattice value;
-    const std::string problem = vtkFFDReadLattice(data, value);
-    // The limit of values that are all there; all else is of arrays, which files may change.
-    const bool isOfLimit = problem.find("1e100") != std::string::npos;
-    const std::string text = isOfLimit
+    bool isComplete = false;
+    const std::string problem = vtkFFDReadLattice(data, value, &isComplete);
+    // Files may drop arrays, or tuples of them.
+    const std::string text = isComplete
       ? "The lattice of the data cannot be used, and they are shown at rest: " + problem + "."
       : "The lattice of the data is not complete, and they are shown at rest. Formats of VTK keep "
         "a lattice (.vti, .vtu, .vtp, .vtm, .pvd, .vtk, ...), Exodus and Xdmf do not: if the data "
