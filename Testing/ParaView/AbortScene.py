@@ -17,6 +17,7 @@ view = simple.GetActiveViewOrCreate("RenderView")
 display = simple.Show(lattice, view)
 display.FFDNumberOfThreads = 1
 display.FFDShade = 1
+display.FFDImageSampleDistance = 0.5  # four rays a pixel
 simple.GetOpacityTransferFunction("RTData").Points = [37, 0.001, 0.5, 0, 280, 0.002, 0.5, 0]
 all_long = os.environ.get("FFD_ABORT_ALL") == "1"
 if all_long:
