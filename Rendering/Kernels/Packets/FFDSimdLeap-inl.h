@@ -140,39 +140,6 @@ public:
     }
   }
 
-  /// Takes the empty half spaces beyond the faces of the volume in the place of the cubes of
-  /// positions outside of it: of the face that they are farthest away from.
-  HWY_INLINE void LeaveVolume(const PacketScene& scene)
-  {
-    const Df d;
-    const Vf zero = hn::Zero(d);
-    Vf farthest = zero;
-    Vf below[3];
-    Vf beyond[3];
-    for (int a = 0; a < 3; ++a)
-    {
-      below[a] = hn::Sub(Splat(scene.Lower), this->Position[a]);
-      beyond[a] = hn::Sub(this->Position[a], Splat(scene.Upper[a]));
-      farthest = hn::Max(farthest, hn::Max(below[a], beyond[a]));
-    }
-    const Mf outside = hn::Gt(farthest, zero);
-    if (hn::AllFalse(d, outside))
-    {
-      return;
-    }
-    const Vf far = Splat(Far);
-    for (int a = 0; a < 3; ++a)
-    {
-      const Mf isBelow = hn::And(outside, hn::Eq(below[a], farthest));
-      const Mf isBeyond = hn::And(outside, hn::Eq(beyond[a], farthest));
-      const Vf low = hn::IfThenElse(outside, hn::Neg(far), this->Low[a]);
-      const Vf high = hn::IfThenElse(outside, far, this->High[a]);
-      this->Low[a] = hn::IfThenElse(isBeyond, Splat(scene.Upper[a]), low);
-      this->High[a] = hn::IfThenElse(isBelow, Splat(scene.Lower), high);
-    }
-    this->Empty = hn::Or(this->Empty, outside);
-  }
-
   /// Lanes whose blocks are empty.
   HWY_INLINE Mf IsEmpty() const { return this->Empty; }
 
@@ -203,6 +170,21 @@ public:
       count = hn::Min(count, hn::Min(hn::Mul(above, steps.Up[a]), hn::Mul(below, steps.Down[a])));
     }
     return hn::IfThenElse(this->Empty, hn::Floor(count), Splat(-1.0f));
+  }
+
+  /// Counts the steps, a whole number, after which each lane's position is still at least `margin`
+  /// beyond a face of the volume; negative if it is not beside the volume.
+  HWY_INLINE Vf CountStepsBeside(
+    const PacketScene& scene, const float margin[3], const StepsPerUnit& steps) const
+  {
+    Vf count = Splat(-1.0f);
+    for (int a = 0; a < 3; ++a)
+    {
+      const Vf below = hn::Sub(Splat(scene.Lower - margin[a]), this->Position[a]);
+      const Vf beyond = hn::Sub(this->Position[a], Splat(scene.Upper[a] + margin[a]));
+      count = hn::Max(count, hn::Max(hn::Mul(below, steps.Up[a]), hn::Mul(beyond, steps.Down[a])));
+    }
+    return hn::Floor(hn::Min(count, Splat(Most)));
   }
 
 private:

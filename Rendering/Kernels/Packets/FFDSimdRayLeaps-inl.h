@@ -63,12 +63,15 @@ public:
     }
     // Two bounds of the way: that of the rays of all of the tile over all of the segment, and that
     // of each ray over the next samples.
-    EmptyCubes cubes(this->Scene, q);
-    cubes.LeaveVolume(this->Scene);
+    const EmptyCubes cubes(this->Scene, q);
     const StepsPerUnit ofTile(segment.Up, segment.Down);
     const StepsPerUnit ofRays(Scale(curve.PerStep, curve.Position.Slope(s)), this->MoveChanges);
-    const Vf steps = hn::Max(cubes.CountSteps(radius, ofTile),
-      hn::Min(cubes.CountSteps(radius, ofRays), Splat(static_cast<float>(FewSamples))));
+    const auto count = [&](const StepsPerUnit& steps) {
+      return hn::Max(
+        cubes.CountSteps(radius, steps), cubes.CountStepsBeside(this->Scene, radius, steps));
+    };
+    const Vf steps =
+      hn::Max(count(ofTile), hn::Min(count(ofRays), Splat(static_cast<float>(FewSamples))));
     // An interval is empty only if its end lies in the cube, too.
     const Vf samples = this->Scene.Intervals ? steps : hn::Add(steps, Splat(1.0f));
     const Mf empty = hn::And(querying, hn::Gt(samples, hn::Zero(d)));
