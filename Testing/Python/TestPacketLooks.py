@@ -711,17 +711,22 @@ class TestPacketLooks(unittest.TestCase):
             if flags == 0x2000:
                 self.assertLess(looks[1], 0.7 * looks[0])
 
-    def test_rays_through_bent_plates(self):
-        # Their lattices have cells far shorter than rays are in front of them and behind.
+    def make_waves(self, *size):
+        """Bytes that rise and fall along all axes, whose tops are visible; what is done is counted."""
         _, mapper, prop, volume = self.make("u1", False)
         image = vtkImageData()
-        image.SetDimensions(160, 160, 12)
-        z, y, x = numpy.mgrid[0:12, 0:160, 0:160]
+        image.SetDimensions(*size)
+        z, y, x = numpy.indices(size[::-1])
         values = 127 + 100 * numpy.sin(0.4 * x) * numpy.cos(0.5 * y) * numpy.cos(0.4 * z)
         image.GetPointData().SetScalars(numpy_to_vtk(values.astype("u1").ravel(), deep=True))
         mapper.SetInputData(image)
         mapper.CollectStatisticsOn()
         prop.SetScalarOpacity(points((130.0, 0.0), (190.0, 0.4)))
+        return image, mapper, volume
+
+    def test_rays_through_bent_plates(self):
+        # Their lattices have cells far shorter than rays are in front of them and behind.
+        image, mapper, volume = self.make_waves(160, 160, 12)
         for name, strength, most in (("TWIST", 0.05, 6.0), ("TWIST", 0.2, 12.0), ("TAPER", 0.2, 12.0)):
             shape = vtkffd.vtkFFDLatticeSource()
             shape.SetBounds(image.GetBounds())
@@ -736,15 +741,7 @@ class TestPacketLooks(unittest.TestCase):
 
     def test_rays_through_fine_lattices(self):
         # Segments cross many cells of the lattice before they are short enough.
-        _, mapper, prop, volume = self.make("u1", False)
-        image = vtkImageData()
-        image.SetDimensions(64, 64, 64)
-        z, y, x = numpy.mgrid[0:64, 0:64, 0:64]
-        values = 127 + 100 * numpy.sin(0.4 * x) * numpy.cos(0.5 * y) * numpy.cos(0.4 * z)
-        image.GetPointData().SetScalars(numpy_to_vtk(values.astype("u1").ravel(), deep=True))
-        mapper.SetInputData(image)
-        mapper.CollectStatisticsOn()
-        prop.SetScalarOpacity(points((130.0, 0.0), (190.0, 0.4)))
+        image, mapper, volume = self.make_waves(64, 64, 64)
         random = numpy.random.default_rng(1)
         for side, part, most in ((16, 0.2, 4.0), (32, 0.1, 8.0), (48, 0.1, 16.0)):
             lattice = vtkffd.vtkFFDLattice()
